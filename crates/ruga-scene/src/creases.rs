@@ -213,15 +213,21 @@ impl CreasedMesh<'_> {
         of_sheet.unwrap_or(waves.wavelength)
     }
 
-    /// Warning of a preset's anchor, which has nothing to hold to on a sheet.
+    /// Warning of a preset's anchor, which has nothing to hold to on a sheet or in a slit.
     fn anchor_warning(&self, crease: &Crease) -> Option<String> {
-        self.scene.sheet.as_ref()?;
         let preset = crease.preset.as_deref().and_then(crease_preset)?;
         preset.depth?;
-        Some(format!(
-            "crease `{}`: the anchor of its preset is left out, because nothing below holds it",
-            crease.name
-        ))
+        (!self.may_hold(crease)).then(|| {
+            format!(
+                "crease `{}`: the anchor of its preset is left out, because nothing below holds it",
+                crease.name
+            )
+        })
+    }
+
+    /// Whether there is something right below a crease that the anchor of a preset could hold to.
+    fn may_hold(&self, crease: &Crease) -> bool {
+        self.scene.sheet.is_none() && crease.slit.is_none()
     }
 
     /// Everything about a crease of `layer` but its line.
@@ -241,7 +247,7 @@ impl CreasedMesh<'_> {
             stiffness: anchor.stiffness,
         });
         let usual = preset.and_then(|preset| preset.depth);
-        let usual = usual.filter(|_| self.scene.sheet.is_none());
+        let usual = usual.filter(|_| self.may_hold(crease));
         let anchor = own.or(usual.map(|depth| CreaseAnchor {
             depth,
             stiffness: ANCHOR_STIFFNESS,

@@ -423,6 +423,12 @@ fn scene_creases_belong_to_the_lowest_layer() {
     assert!(depth_on("preset = \"palm-line\"\nwidth = 1e-4") > 0.0);
     let cut = site.read(&body("slit = 8e-3")).unwrap();
     assert_eq!(cut.layers[0].creases[0].slit, Some(8e-3));
+    // The anchor of a preset is shallower than any slit.
+    let preset = "preset = \"palm-line\"\nwidth = 1e-4\nslit = 8e-3";
+    let preset = site.read(&body(preset)).unwrap();
+    assert!(preset.layers[0].creases[0].anchor.is_none());
+    let told = preset.warnings.iter();
+    assert_eq!(told.filter(|text| text.contains("is left out")).count(), 1);
     for (depth, found) in [
         ("0.0", "0"),
         ("-1e-3", "-0.001"),

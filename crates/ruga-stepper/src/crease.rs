@@ -22,7 +22,7 @@ pub struct CreaseSpec {
     pub drive: Drive,
     /// Springs that hold the line, while it is drawn, at a depth below the skin around it; none on a free sheet.
     pub anchor: Option<CreaseAnchor>,
-    /// Depth along the inward normal (m) to which the flesh of a soft body is cut below the line, in every pose, at
+    /// Depth inwards along the mean of the normals around (m) to which the flesh of a soft body is cut below the line, in every pose, at
     /// least a cell of its lattice; the layer goes across the cut. Only on a soft body.
     pub slit: Option<f64>,
     /// What it keeps of earlier folds, in every pose.

@@ -247,17 +247,27 @@ fn corners(of: &[Vector3<f64>; 2]) -> String {
 /// Result of a check of the input.
 pub(crate) type Checked = Result<(), StepperError>;
 
-/// [`StepperError::Setting`]: `field` of `of` is `found`, but has to be `accepted`.
+/// Refuses a setting with [`setting`].
 pub(crate) fn refuse(
     of: impl Display,
     field: impl Display,
     found: impl Display,
     accepted: impl Display,
 ) -> Checked {
-    Err(StepperError::Setting {
+    Err(setting(of, field, found, accepted))
+}
+
+/// [`StepperError::Setting`]: `field` of `of` is `found`, but has to be `accepted`.
+pub(crate) fn setting(
+    of: impl Display,
+    field: impl Display,
+    found: impl Display,
+    accepted: impl Display,
+) -> StepperError {
+    StepperError::Setting {
         of: of.to_string(),
         field: field.to_string(),
         found: found.to_string(),
         accepted: accepted.to_string(),
-    })
+    }
 }

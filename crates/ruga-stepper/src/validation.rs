@@ -126,10 +126,7 @@ pub(crate) fn check_unslit(layer: &LayerSpec) -> Checked {
 pub(crate) fn check_anchor_depths(layer: &LayerSpec, flesh: &[f64]) -> Checked {
     for (crease, flesh) in layer.creases.iter().zip(flesh) {
         if let Some(anchor) = crease.anchor.filter(|anchor| anchor.depth >= *flesh) {
-            let accepted = format!(
-                "less than {:.2} mm, the depth of the body below the line",
-                1e3 * flesh
-            );
+            let accepted = less_than_flesh(*flesh);
             let found = format!("{} m", anchor.depth);
             return refuse(of_crease(layer, crease), "anchor.depth", found, accepted);
         }
@@ -137,7 +134,14 @@ pub(crate) fn check_anchor_depths(layer: &LayerSpec, flesh: &[f64]) -> Checked {
     Ok(())
 }
 
-fn of_crease(layer: &LayerSpec, crease: &CreaseSpec) -> String {
+/// What is accepted of something that goes down from a line with so much `flesh` (m) below it.
+pub(crate) fn less_than_flesh(flesh: f64) -> String {
+    // Rounded down, so that what is told is accepted.
+    let mm = (1e5 * flesh).floor() * 1e-2;
+    format!("less than {mm:.2} mm, the depth of the body below the line")
+}
+
+pub(crate) fn of_crease(layer: &LayerSpec, crease: &CreaseSpec) -> String {
     format!("layer '{}', crease '{}'", layer.name, crease.name)
 }
 

@@ -66,8 +66,8 @@ pub struct Crease {
     /// What holds the line down to the tissue below: `{ depth = 1e-3, stiffness = 20.0 }`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub anchor: Option<Anchor>,
-    /// Depth to which the flesh of a soft body is cut below the line, straight inwards, m: at least a cell of its
-    /// lattice, in every pose. The skin goes across the cut. Only with `[interior]`.
+    /// Depth to which the flesh of a soft body is cut below the line, m: inwards along the mean of the normals around,
+    /// at least a cell of its lattice, in every pose. The skin goes across the cut. Only with `[interior]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slit: Option<f64>,
     /// Lengths over which it fades in from its start and out to its end, m; three widths if left out. A closed

@@ -4,11 +4,11 @@ mod planned_faces;
 
 use std::sync::OnceLock;
 
-use nalgebra::Vector3;
+use nalgebra::Vector2;
 use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver, PosedSurface};
 use ruga_material::{CAP_START, Wrinkling};
-use ruga_mesh::{FaceId, Id, PerFace, edge_distances};
+use ruga_mesh::{FaceId, Id, PerFace, VertexId, edge_distances};
 use ruga_remesh::SizeLimits;
 
 use crate::plan::creased_faces::CreasedFaces;
@@ -18,8 +18,8 @@ use crate::plan::region::PoseStrains;
 use crate::plan::skin_cost::{GRADING, Load, cost, factorisations};
 use crate::plan::stacking::Stacking;
 use crate::plan::surface_measures::{
-    MAX_PLANNING_FACES, faces_within, needed_levels, output_coarseness, painted_ranges, per_face,
-    uv_density, weighted_quantile,
+    MAX_PLANNING_FACES, curvature, faces_within, mean_edge, needed_levels, output_coarseness,
+    painted_ranges, per_face, uv_density, weighted_quantile,
 };
 use crate::plan::warnings::PosedPlan;
 use crate::run::adaptivity::COARSEST;
@@ -134,16 +134,13 @@ impl<'a> PlanningSurface<'a> {
         layer: &LayerSpec,
         nominal: &Wrinkling,
     ) -> Result<PerFace<Wrinkling>, StepperError> {
-        let positions = &self.rest.positions;
         let faces = self.surface.mesh().faces().as_slice().par_iter();
-        let uvs = self.surface.uvs().as_slice().par_iter();
-        let on_faces = uvs.zip(faces).with_min_len(FACES_AT_ONCE);
-        let found: Vec<_> = on_faces
-            .map(|(uvs, corners)| {
-                let corners = corners.map(|v| positions[v.index()]);
-                wrinkling_on_face(layer, nominal, (uvs, corners))
-            })
-            .collect();
+        let faces = faces.zip(self.surface.uvs().as_slice());
+        let wave = |(corners, uvs): (&[VertexId; 3], &[Vector2<f64>; 3])| {
+            let corners = corners.map(|v| self.rest.positions[v.index()]);
+            wrinkling_on_face(layer, nominal, (uvs, corners))
+        };
+        let found: Vec<_> = faces.with_min_len(FACES_AT_ONCE).map(wave).collect();
         // Of several errors the first is told, whoever was first.
         found.into_iter().collect()
     }
@@ -490,17 +487,4 @@ fn load_path(
     };
     warnings.push(about.detour_warning(area, pose_strains));
     LoadPath::Strain
-}
-
-fn mean_edge([a, b, c]: [Vector3<f64>; 3]) -> f64 {
-    ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
-}
-
-fn curvature(corners: [Vector3<f64>; 3], normals: [Vector3<f64>; 3]) -> f64 {
-    (0..3)
-        .map(|i| {
-            let j = (i + 1) % 3;
-            (normals[j] - normals[i]).norm() / (corners[j] - corners[i]).norm()
-        })
-        .fold(0.0, f64::max)
 }

@@ -77,6 +77,21 @@ pub(crate) fn per_face(
         .collect()
 }
 
+/// Mean edge of a face, m.
+pub(crate) fn mean_edge([a, b, c]: [Vector3<f64>; 3]) -> f64 {
+    ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
+}
+
+/// Largest normal curvature along the edges of a face, 1/m.
+pub(crate) fn curvature(corners: [Vector3<f64>; 3], normals: [Vector3<f64>; 3]) -> f64 {
+    (0..3)
+        .map(|i| {
+            let j = (i + 1) % 3;
+            (normals[j] - normals[i]).norm() / (corners[j] - corners[i]).norm()
+        })
+        .fold(0.0, f64::max)
+}
+
 /// Fraction of the texture's side per metre of every face.
 pub(crate) fn uv_density(surface: &BaseSurface, rest: &PosedSurface) -> PerFace<f64> {
     surface

@@ -3,6 +3,7 @@
 mod slits;
 
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver, PosedSurface, Smoothing};
 use ruga_lattice::{Embedding, Filling, Lattice, LatticeError, LatticeSpec};
 use ruga_mesh::{
@@ -33,7 +34,7 @@ pub(crate) struct EmbeddingLattice {
     pub(crate) sides: Vector3<f64>,
     surface: BaseSurface,
     faces: Faces,
-    walls: Vec<WallPair>,
+    walls: Option<Walls>,
 }
 
 /// Faces of the surface that a lattice was built from.
@@ -43,13 +44,20 @@ struct Faces {
     origins: PerFace<FaceOrigin>,
     /// Faces in every face of the driver.
     of_driver: Vec<Vec<FaceId>>,
-    /// Those that touch the left lip of a slit; empty without any.
+    /// Those that touch the left lip of a slit.
     is_left: PerFace<bool>,
 }
 
-/// Places on both walls of a slit that lie on each other at rest, that on the left first.
-#[derive(Clone, Copy, Debug)]
-struct WallPair([MaterialPoint; 2]);
+/// Places on both walls of slits that lie on each other at rest.
+#[derive(Clone, Debug)]
+struct Walls {
+    /// Those on the left, and those on the right.
+    sides: [Embedding; 2],
+    /// The slit of every pair, by its number.
+    slits: Vec<usize>,
+    /// Names of the creases with a slit.
+    names: Vec<String>,
+}
 
 impl EmbeddingLattice {
     pub(crate) fn new(
@@ -77,22 +85,30 @@ impl EmbeddingLattice {
             faces: Faces::new(
                 surface.origins(),
                 driver.topology().face_count(),
-                PerFace::filled(0, false),
+                PerFace::filled(surface.mesh().face_count(), false),
             ),
-            walls: Vec::new(),
+            walls: None,
             surface,
         })
     }
 
-    /// Of every crease the least way (m) straight into the body, from its line to where the flesh ends.
+    /// Of every crease with an anchor or a slit the least way (m) straight into the body, from where its line crosses
+    /// edges of the driver to where the flesh ends; of others infinity.
     pub(crate) fn flesh_below(&self, driver: &Driver, creases: &[CreaseSpec]) -> Vec<f64> {
+        let goes_down = |crease: &CreaseSpec| crease.anchor.is_some() || crease.slit.is_some();
+        let mut least = vec![f64::INFINITY; creases.len()];
+        if !creases.iter().any(goes_down) {
+            return least;
+        }
         let flesh = Flesh::new(driver, &self.surface, &self.sides);
-        let least = |crease: &CreaseSpec| {
-            let places = crease.line.places();
-            let ways = places.iter().map(|place| flesh.below(&self.address(place)));
-            ways.fold(f64::INFINITY, f64::min)
-        };
-        creases.iter().map(least).collect()
+        for (least, crease) in least.iter_mut().zip(creases) {
+            if goes_down(crease) {
+                let places = crease.line.places().into_par_iter();
+                let ways = places.map(|place| flesh.below(&self.address(&place)));
+                *least = ways.reduce(|| f64::INFINITY, f64::min);
+            }
+        }
+        least
     }
 
     /// Embeds points of the driver, given at rest, in the lattice.
@@ -123,7 +139,9 @@ impl EmbeddingLattice {
         }
         Embedding::of_surface(&self.lattice, &addresses, rest, &normals)
     }
+}
 
+impl EmbeddingLattice {
     fn address(&self, point: &MaterialPoint) -> MaterialPoint {
         self.faces.address(point)
     }
@@ -142,33 +160,27 @@ impl Faces {
         }
     }
 
-    /// The place that has the same address as one of the driver's faces. One within a hundredth of an edge of a
-    /// slit is on its left: the layer's vertices on the line are all on the same side.
+    /// The place that has the same address as one of the driver's faces. One within a hundredth of an edge of a slit is
+    /// on its left: so are the layer's vertices on the line, but where that turns on an edge of the driver.
     fn address(&self, point: &MaterialPoint) -> MaterialPoint {
-        let place = |face: FaceId| {
+        // A part without an area has no such coordinates.
+        let place = |&face: &FaceId| {
             let corners = self.origins[face].corners.map(Vector3::from);
-            let inverse = Matrix3::from_columns(&corners).try_inverse();
-            let local = inverse.unwrap_or_else(Matrix3::zeros) * Vector3::from(point.barycentric);
-            MaterialPoint {
-                face,
-                barycentric: local.into(),
-            }
+            let inverse = Matrix3::from_columns(&corners).try_inverse()?;
+            let local = inverse * Vector3::from(point.barycentric);
+            let barycentric = local.into();
+            Some(MaterialPoint { face, barycentric })
         };
-        let is_left = |face: FaceId| !self.is_left.is_empty() && self.is_left[face];
         let inside = |p: &MaterialPoint| {
             let inside = p.barycentric.iter().copied().fold(f64::MAX, f64::min);
-            if is_left(p.face) {
-                inside + NEAR_SLIT
-            } else {
-                inside
-            }
+            inside + if self.is_left[p.face] { NEAR_SLIT } else { 0.0 }
         };
         let faces = self.of_driver[point.face.index()].iter();
-        let places = faces.map(|&face| place(face));
+        let places = faces.filter_map(place);
         // Rounding may put a place on an edge outside of both faces beside it. The one that it is
         // least outside of serves as well.
         let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)));
-        best.expect("every face has at least one part")
+        best.expect("every face has a part with an area")
     }
 }
 

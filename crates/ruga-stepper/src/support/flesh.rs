@@ -7,6 +7,9 @@ use ruga_mesh::{Id, MaterialPoint, face_normals};
 /// Distance, in sizes of the body, up to which a ray is still in the triangle that it starts from.
 const OWN: f64 = 1e-6;
 
+/// Sine of the angle between a ray and a triangle up to which it runs along that.
+const FLAT: f64 = 1e-9;
+
 /// Barycentric distance by which rays count beyond a triangle's edges, or one might slip through between two of them.
 const SLACK: f64 = 1e-9;
 
@@ -52,11 +55,42 @@ fn way_to(corners: &[Vector3<f64>; 3], start: &Vector3<f64>, along: &Vector3<f64
     let (first, second) = (b - a, c - a);
     let across = along.cross(&second);
     let volume = first.dot(&across);
+    // What lies along the ray has no volume but by rounding, and no such coordinates.
+    if volume.abs() <= FLAT * first.norm() * second.norm() {
+        return None;
+    }
     let from = start - a;
     let u = from.dot(&across) / volume;
     let turned = from.cross(&first);
     let v = along.dot(&turned) / volume;
-    // What lies along the ray has no volume, and no such coordinates.
     let is_inside = u >= -SLACK && v >= -SLACK && u + v <= 1.0 + SLACK;
     is_inside.then(|| second.dot(&turned) / volume)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Rotation3;
+
+    use super::*;
+
+    /// A ray within the plane of a triangle does not end in it, however the plane lies.
+    #[test]
+    fn rays_along_triangles_do_not_end_there() {
+        let triangle = [
+            Vector3::new(0.0, 0.0, 0.0),
+            Vector3::new(0.03, 0.0, 0.0),
+            Vector3::new(0.0, 0.0, -0.02),
+        ];
+        let (start, inwards) = (Vector3::new(0.01, 0.0, 0.0), -Vector3::z());
+        let across = Vector3::y();
+        for turn in 0..50 {
+            let turn = f64::from(turn);
+            let turn = Rotation3::from_euler_angles(0.37 * turn, 1.1 * turn, 2.3 * turn);
+            let turned = triangle.map(|corner| turn * corner);
+            assert_eq!(way_to(&turned, &(turn * start), &(turn * inwards)), None);
+            let above = start + across * 0.004 - Vector3::z() * 0.001;
+            let way = way_to(&turned, &(turn * above), &(turn * -across));
+            assert!((way.expect("it hits") - 0.004).abs() < 1e-12);
+        }
+    }
 }

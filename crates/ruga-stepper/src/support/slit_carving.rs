@@ -30,10 +30,12 @@ pub(crate) struct Carved {
     pub(crate) is_left: PerFace<bool>,
     /// Slit of every wall.
     pub(crate) slits: Vec<usize>,
-    /// Pairs of walls on both sides of a slit, the left one first: each with the corner at its lip and that at the
-    /// bottom, which both have.
-    pub(crate) pairs: Vec<[(FaceId, [usize; 2]); 2]>,
+    /// Pairs of walls on both sides of a slit, by its number.
+    pub(crate) pairs: Vec<(usize, [Wall; 2])>,
 }
+
+/// A wall on the left or on the right of a slit, with the corner at its lip and that at the bottom, which both have.
+pub(crate) type Wall = (FaceId, [usize; 2]);
 
 /// Two slits that meet at a vertex, or one that meets itself.
 #[derive(Clone, Copy, Debug)]
@@ -55,7 +57,7 @@ struct Copies {
 ///                    V  bottom                single, and the slit runs out to it over its last edge.
 /// ```
 /// # Errors
-/// [`Meeting`] where more than two edges meet, or two that run against each other.
+/// [`Meeting`] where more than two edges meet, or two of different slits or that run against each other.
 pub(crate) fn carve(
     mesh: &TriMesh,
     positions: &[Vector3<f64>],
@@ -70,11 +72,7 @@ pub(crate) fn carve(
     let mut copies: BTreeMap<u32, Copies> = BTreeMap::new();
     for (&v, &(before, after)) in &chains.middles {
         let i = v as usize;
-        // Where slits go on in each other the shallower one has the vertex.
-        let down = match before.down[1].norm() < after.down[0].norm() {
-            true => before.down[1],
-            false => after.down[0],
-        };
+        let down = before.down[1];
         let along = positions[after.to.index()] - positions[before.from.index()];
         // Where the chain turns back on itself there is no way across, and the lips stay together.
         let across = along.cross(&down).try_normalize(0.0);
@@ -108,7 +106,7 @@ pub(crate) fn carve(
             let lip = |side: usize| a.map_or(edge.from, |a| a.lips[side]);
             let left = add_wall([b.lips[0], lip(0), b.bottom], slit);
             let right = add_wall([lip(1), b.lips[1], b.bottom], slit);
-            pairs.push([(left, [0, 2]), (right, [1, 2])]);
+            pairs.push((slit, [(left, [0, 2]), (right, [1, 2])]));
         }
         if let Some(a) = a {
             let far = b.map_or(edge.to, |b| b.bottom);
@@ -173,10 +171,12 @@ impl Chains {
             let after = out.get(&v)?;
             Some((v, (*before, *after)))
         });
-        Ok(Self {
-            middles: middles.collect(),
-            edges,
-        })
+        let middles: BTreeMap<u32, (Step, Step)> = middles.collect();
+        let mut joined = middles.values();
+        match joined.find(|(before, after)| before.slit != after.slit) {
+            None => Ok(Self { middles, edges }),
+            Some((before, after)) => Err(Meeting([before.slit, after.slit])),
+        }
     }
 }
 

@@ -360,8 +360,8 @@ impl Solid {
         self.contact().penetration(self.outer(x))
     }
 
-    /// Deepest overlap of the walls of slits, m.
-    pub(crate) fn slit_overlap(&self) -> f64 {
+    /// Deepest overlap of the walls of a slit (m), and the name of its crease; `None` where no walls overlap.
+    pub(crate) fn slit_overlap(&self) -> Option<(f64, &str)> {
         self.interior.embedding_lattice.slit_overlap(&self.state.q)
     }
 

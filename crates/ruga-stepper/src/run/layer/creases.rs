@@ -1,5 +1,7 @@
 //! The creases of a layer: how they are drawn, and how they have folded.
 
+use std::f64::consts::PI;
+
 use ruga_blend::Weights;
 use ruga_material::Wrinkling;
 use ruga_mesh::{EdgeId, Id};
@@ -7,6 +9,7 @@ use ruga_shell::LineAnchor;
 
 use super::Layer;
 use crate::skin::fading::{distances_from, faded};
+use crate::skin::quiet::VertexDemand;
 use crate::{CreaseReport, FoldSample, StepperError};
 
 /// Distance from a crease (wavelengths) within which skin that it draws shows relief. What it raises beside it
@@ -117,30 +120,44 @@ impl Layer {
         strength.is_some_and(|&strength| self.spec.creases[line].is_drawn(strength))
     }
 
-    /// Raises the demand of the vertices that a drawn crease reaches to at least `least`: relief shows
+    /// Raises the demand of the vertices that a drawn crease or a slit reaches to at least `least`: relief shows
     /// there, however little the skin is compressed.
     pub(super) fn raise_near_creases(&self, ratios: &mut [f64], least: f64) {
+        let shows = |line| self.is_drawn(line) || self.spec.creases[line].slit.is_some();
+        for v in self.near_creases(shows) {
+            ratios[v] = ratios[v].max(least);
+        }
+    }
+
+    /// Lets the surface below turn as sharply as it will near slits: it does so because the skin folds into them, not
+    /// because it is a rim on which skin cannot wrinkle.
+    pub(super) fn let_turn_near_slits(&self, demands: &mut [VertexDemand]) {
+        for v in self.near_creases(|line| self.spec.creases[line].slit.is_some()) {
+            demands[v].turn = PI;
+        }
+    }
+
+    /// The vertices within [`REACH`] of creases for whose numbers `is_meant` holds.
+    fn near_creases(&self, is_meant: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut is_on = vec![false; self.vertex_count()];
         for crease in &self.skin.creases {
-            if self.is_drawn(crease.line) {
+            if is_meant(crease.line) {
                 for v in self.skin.mesh.edges()[crease.edge].vertices {
                     is_on[v.index()] = true;
                 }
             }
         }
         if !is_on.contains(&true) {
-            return;
+            return Vec::new();
         }
         let waves = self.properties.vertices.iter();
         let waves = waves.map(|local| local.wrinkling.wavelength);
         let longest = waves.clone().fold(0.0, f64::max);
         let places = &self.skin.rest.positions;
         let distances = distances_from(&self.skin.mesh, places, &is_on, REACH * longest);
-        for ((ratio, distance), wavelength) in ratios.iter_mut().zip(distances).zip(waves) {
-            if distance <= REACH * wavelength {
-                *ratio = ratio.max(least);
-            }
-        }
+        let near = distances.into_iter().zip(waves).enumerate();
+        let near = near.filter(|(_, (distance, wavelength))| *distance <= REACH * wavelength);
+        near.map(|(v, _)| v).collect()
     }
 
     /// How every crease has folded, in the order of the layer's specification; none for those that have no

@@ -118,9 +118,10 @@ impl Layer {
         let mut means = vertex_means(&self.skin.mesh, of_face).into_vec();
         self.raise_near_creases(&mut means, 1.0);
         let pairs = means.into_iter().zip(&self.properties.vertices);
-        pairs
-            .map(|(ratio, local)| VertexDemand::new(ratio, &local.wrinkling))
-            .collect()
+        let demands = pairs.map(|(ratio, local)| VertexDemand::new(ratio, &local.wrinkling));
+        let mut demands: Vec<_> = demands.collect();
+        self.let_turn_near_slits(&mut demands);
+        demands
     }
 
     /// Support surface of the layer's own mesh.

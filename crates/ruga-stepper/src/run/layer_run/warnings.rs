@@ -100,7 +100,15 @@ impl LayerRun<'_> {
         let Some(solid) = self.layer.solid() else {
             return;
         };
+        // Less is hidden in the skin that goes across.
         let overlap = solid.slit_overlap();
+        let overlap = overlap.filter(|(depth, _)| *depth > self.layer.spec.material.thickness);
+        let overlap = overlap.map(|(depth, crease)| {
+            format!(
+                "the walls of the slit of crease '{crease}' overlap by {:.2} mm at the end of the pose, because nothing holds them apart; what folds into it is that much too deep there. Compress the skin across it less, or make it shallower",
+                1e3 * depth
+            )
+        });
         let percent = 100.0 * self.layer.capped_fraction();
         if percent >= 1.0 {
             self.warn(format!(
@@ -113,12 +121,8 @@ impl LayerRun<'_> {
                 "the layer is {depth:.1} of its thickness inside an obstacle, which may show through it; take more `steps`, or move the obstacle less far"
             ));
         }
-        // Less is hidden in the skin that goes across.
-        if overlap > self.layer.spec.material.thickness {
-            self.warn(format!(
-                "the walls of a slit overlap by up to {:.2} mm, which nothing keeps from; what folds into it is that much too deep there. Compress the skin across it less, or make it shallower",
-                1e3 * overlap
-            ));
+        if let Some(overlap) = overlap {
+            self.warn(overlap);
         }
     }
 }

@@ -3,24 +3,26 @@
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeSet;
-
 use nalgebra::Vector3;
 use ruga_blend::{Driver, Smoothing, SurfacePoints};
 use ruga_crease::CreaseEdge;
 use ruga_lattice::{Embedding, Lattice, LatticeError, MAX_CELLS, Shape, cell_size};
 use ruga_mesh::{FaceId, Id, MaterialPoint, vertex_normals};
 
-use super::{EmbeddingLattice, Faces, WallPair, spec_of, surface_of};
-use crate::error::{Checked, refuse};
+use super::{EmbeddingLattice, Faces, Walls, spec_of, surface_of};
+use crate::error::{Checked, refuse, setting};
 use crate::skin::boundary_cut::Cut;
 use crate::skin::crease_cut::{Creased, cut_along_creases};
 use crate::skin::piece::Piece;
 use crate::support::slit_carving::{Carved, Meeting, SlitEdge, carve};
+use crate::validation::{less_than_flesh, of_crease};
 use crate::{Body, CreaseSpec, LayerSpec, StepperError};
 
 /// Width of a slit at rest, in cells.
 const OPENING: f64 = 1e-3;
+
+/// Share of a cell that will do as one: cells are a little larger than what they divide.
+const NEARLY: f64 = 0.999;
 
 /// The way down the walls, as fractions of their depth, at which they are compared.
 const DOWN: [f64; 2] = [0.0, 0.5];
@@ -77,7 +79,8 @@ impl EmbeddingLattice {
         let lattice = Lattice::build(&carved.mesh, &carved.positions, &spec_of(body, self.cells));
         let before = cut.piece.mesh.face_count();
         let lattice = lattice.map_err(|error| in_a_slit(error, &slits, (&carved, before)))?;
-        if nodes_on_others(&lattice) <= nodes_on_others(&self.lattice) {
+        let walls = walls(&lattice, &carved, &slits)?;
+        if let Some(number) = walls.closed() {
             let whole = match body.shape {
                 Shape::Quadratic => "three",
                 Shape::Linear => "two",
@@ -87,13 +90,15 @@ impl EmbeddingLattice {
                  long: lengthen the line, or raise `cells`",
                 1e3 * lattice.cell_size().max()
             );
-            refuse(&slits[0].of, "slit", "one that nothing can open", accepted)?;
+            let slit = &slits[number];
+            let found = format!("{} m, but nothing can open it", slit.depth);
+            refuse(&slit.of, "slit", found, accepted)?;
         }
         let of_driver = driver.topology().face_count();
         Ok(Self {
             lattice,
             faces: Faces::new(&cut.piece.origins, of_driver, carved.is_left),
-            walls: wall_pairs(&carved.pairs),
+            walls: Some(walls),
             ..self
         })
     }
@@ -102,23 +107,21 @@ impl EmbeddingLattice {
         let depth = slit.depth;
         let found = format!("{depth} m");
         if depth >= slit.flesh {
-            let accepted = format!(
-                "less than {:.2} mm, the depth of the body below the line",
-                1e3 * slit.flesh
-            );
-            return refuse(&slit.of, "slit", found, accepted);
+            return refuse(&slit.of, "slit", found, less_than_flesh(slit.flesh));
         }
         let cell = self.lattice.cell_size().max();
-        if depth < cell {
+        let reaches = |cell: f64| depth >= NEARLY * cell;
+        if !reaches(cell) {
             let mut finer = self.cells + 1..=MAX_CELLS;
-            let enough = finer.find(|&cells| cell_size(&self.sides, cells).max() <= depth);
+            let enough = finer.find(|&cells| reaches(cell_size(&self.sides, cells).max()));
             let advice = match enough {
                 Some(cells) => format!("a deeper one, or `cells = {cells}`"),
                 None => "a deeper one".to_owned(),
             };
             let accepted = format!(
                 "at least {:.2} mm, the size of a cell of the lattice: {advice}",
-                1e3 * cell
+                // Rounded up, so that what is told is accepted.
+                (1e5 * cell * NEARLY).ceil() * 1e-2
             );
             return refuse(&slit.of, "slit", found, accepted);
         }
@@ -132,32 +135,37 @@ impl EmbeddingLattice {
         }
     }
 
-    /// Deepest overlap of the walls of its slits, with the nodes at `q` (m); 0 without any.
-    pub(crate) fn slit_overlap(&self, q: &[Vector3<f64>]) -> f64 {
-        let sides = [0, 1].map(|side| {
-            let places: Vec<_> = self.walls.iter().map(|pair| pair.0[side]).collect();
-            Embedding::of_points(&self.lattice, &places)
-                .expect("walls are faces of the lattice's surface")
-        });
+    /// Deepest overlap of the walls of a slit with the nodes at `q` (m), and the name of its crease; `None` where no
+    /// walls overlap.
+    pub(crate) fn slit_overlap(&self, q: &[Vector3<f64>]) -> Option<(f64, &str)> {
+        let Walls {
+            sides,
+            slits,
+            names,
+        } = self.walls.as_ref()?;
         let [left, right] = [0, 1].map(|side| sides[side].positions(q));
         // Normals of the left wall point out of its flesh, over to the right one.
         let pairs = left.iter().zip(&right).zip(sides[0].normals(q));
         let depths = pairs.map(|((left, right), normal)| normal.dot(&(left - right)));
-        depths.fold(0.0, f64::max)
+        let deepest = depths.zip(slits).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let (depth, slit) = deepest;
+        (depth > 0.0).then(|| (depth, names[*slit].as_str()))
     }
 }
 
-/// Nodes that lie at the place of another one: they move apart where the body is cut.
-fn nodes_on_others(lattice: &Lattice) -> usize {
-    let nodes = lattice.rest_positions();
-    let size = lattice.cell_size();
-    // All lie on a grid of whole cells.
-    let place = |q: &Vector3<f64>| {
-        let steps = (q - nodes[0]).component_div(&size);
-        [steps.x, steps.y, steps.z].map(|step| step.round() as i64)
-    };
-    let places: BTreeSet<[i64; 3]> = nodes.iter().map(place).collect();
-    nodes.len() - places.len()
+impl Walls {
+    /// The first slit of which all pairs of places hang on the same nodes.
+    fn closed(&self) -> Option<usize> {
+        let nodes = |side: usize, pair: usize| {
+            let row = self.sides[side].rows().row(pair);
+            row.map(|(node, _)| node).collect::<Vec<_>>()
+        };
+        let mut opens = vec![false; self.names.len()];
+        for (pair, &slit) in self.slits.iter().enumerate() {
+            opens[slit] |= nodes(0, pair) != nodes(1, pair);
+        }
+        opens.iter().position(|opens| !opens)
+    }
 }
 
 fn slits_of<'a>(layers: &'a [LayerSpec], flesh: &[Vec<f64>]) -> Vec<Slit<'a>> {
@@ -166,7 +174,7 @@ fn slits_of<'a>(layers: &'a [LayerSpec], flesh: &[Vec<f64>]) -> Vec<Slit<'a>> {
         let creases = layer.creases.iter().zip(flesh);
         creases.filter_map(move |(crease, &flesh)| {
             Some(Slit {
-                of: format!("layer '{}', crease '{}'", layer.name, crease.name),
+                of: of_crease(layer, crease),
                 crease,
                 depth: crease.slit?,
                 flesh,
@@ -219,17 +227,25 @@ fn slit_edges(cut: &Creased, slits: &[Slit<'_>], normals: &[Vector3<f64>]) -> Ve
     edges
 }
 
-fn wall_pairs(pairs: &[[(FaceId, [usize; 2]); 2]]) -> Vec<WallPair> {
+/// The walls of a carved surface from which a lattice was built.
+fn walls(lattice: &Lattice, carved: &Carved, slits: &[Slit<'_>]) -> Result<Walls, LatticeError> {
     let at = |(face, [lip, bottom]): (FaceId, [usize; 2]), down: f64| {
         let mut barycentric = [0.0; 3];
         barycentric[lip] = 1.0 - down;
         barycentric[bottom] = down;
         MaterialPoint { face, barycentric }
     };
-    let places = pairs
-        .iter()
-        .flat_map(|pair| DOWN.map(|down| WallPair(pair.map(|wall| at(wall, down)))));
-    places.collect()
+    let side = |side: usize| {
+        let pairs = carved.pairs.iter();
+        let places = pairs.flat_map(|(_, pair)| DOWN.map(|down| at(pair[side], down)));
+        Embedding::of_points(lattice, &places.collect::<Vec<_>>())
+    };
+    let of_pairs = carved.pairs.iter();
+    Ok(Walls {
+        sides: [side(0)?, side(1)?],
+        slits: of_pairs.flat_map(|(slit, _)| [*slit; DOWN.len()]).collect(),
+        names: slits.iter().map(|slit| slit.crease.name.clone()).collect(),
+    })
 }
 
 fn meeting(slits: &[Slit<'_>], [a, b]: [usize; 2]) -> StepperError {
@@ -237,8 +253,8 @@ fn meeting(slits: &[Slit<'_>], [a, b]: [usize; 2]) -> StepperError {
         true => "one that meets itself".to_owned(),
         false => format!("one that meets that of crease '{}'", slits[a].crease.name),
     };
-    let accepted = "slits with a cell between them; of lines that meet, one may have a slit";
-    setting(&slits[b].of, found, accepted)
+    let accepted = "slits that do not meet; of lines that do, one may have a slit";
+    setting(&slits[b].of, "slit", found, accepted)
 }
 
 /// Error about the surface with slits, of which the plain one has been accepted.
@@ -247,27 +263,19 @@ fn in_a_slit(
     slits: &[Slit<'_>],
     (carved, before): (&Carved, usize),
 ) -> StepperError {
-    let LatticeError::SelfIntersection { faces, .. } = error else {
-        return error.into();
+    let slit = match &error {
+        LatticeError::SelfIntersection { faces, .. } => {
+            let walls = faces
+                .iter()
+                .filter_map(|face| face.index().checked_sub(before));
+            walls.min().map_or(0, |wall| carved.slits[wall])
+        }
+        // Walls that touch; which ones, it does not tell.
+        LatticeError::CannotCut { .. } => 0,
+        _ => return error.into(),
     };
-    let walls = faces
-        .iter()
-        .filter_map(|face| face.index().checked_sub(before));
-    let slit = walls.min().map_or(0, |wall| carved.slits[wall]);
     let accepted = "a shallower one, or a line that is straighter and farther from others: its walls run into each \
                     other, into those of another slit or through the skin";
-    setting(
-        &slits[slit].of,
-        format!("{} m", slits[slit].depth),
-        accepted,
-    )
-}
-
-fn setting(of: &str, found: String, accepted: &str) -> StepperError {
-    StepperError::Setting {
-        of: of.to_owned(),
-        field: "slit".to_owned(),
-        found,
-        accepted: accepted.to_owned(),
-    }
+    let found = format!("{} m", slits[slit].depth);
+    setting(&slits[slit].of, "slit", found, accepted)
 }

@@ -1,8 +1,12 @@
 //! Slits in a block.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Vector3;
+use ruga_blend::BaseSurface;
 use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
 use ruga_lattice::{LatticeEnergy, LatticeObjective, Shape, SolidMaterial};
+use ruga_mesh::VertexId;
 use ruga_shell::FoldSense;
 use ruga_solver::{ConstraintRows, Kkt, NewtonSettings, Objective, minimise};
 
@@ -180,15 +184,16 @@ fn the_overlap_of_walls_is_measured() {
     let lattice = cut_along(Shape::Quadratic, &[across(0.05)], 1.5 * CELL).expect("a slit");
     let (open, _) = drawn_apart(&lattice.lattice, 1e-3);
     let (pressed, together) = drawn_apart(&lattice.lattice, -1e-3);
-    assert_eq!(lattice.slit_overlap(&open), 0.0);
-    let overlap = lattice.slit_overlap(&pressed);
+    assert_eq!(lattice.slit_overlap(&open), None);
+    let (overlap, crease) = lattice.slit_overlap(&pressed).expect("they overlap");
+    assert_eq!(crease, "line 0");
     println!("{overlap:e} of {together:e}");
     assert!(
         overlap > -0.2 * together && overlap < -1.2 * together,
         "{overlap:e} {together:e}"
     );
     let whole = whole(Shape::Quadratic);
-    assert_eq!(whole.slit_overlap(whole.lattice.rest_positions()), 0.0);
+    assert_eq!(whole.slit_overlap(whole.lattice.rest_positions()), None);
 }
 
 #[test]
@@ -222,7 +227,13 @@ fn slits_that_cannot_be_are_refused() {
     );
     says(
         refused(&[across(0.3)], 0.005),
-        &[names, "nothing can open", "three cells"],
+        &[names, "0.005 m, but nothing can open it", "three cells"],
+    );
+    // Beside one that opens.
+    let short = [[0.2, 0.4], [0.2, 0.6]];
+    says(
+        refused(&[line, short], 0.005),
+        &["crease 'line 1': `slit` is", "nothing can open it"],
     );
     let along = [[0.3, 0.52], [0.8, 0.52]];
     says(
@@ -306,6 +317,58 @@ fn smooth_bodies_are_cut_along_lines_any_way() {
             .unwrap_or_else(|error| panic!("{way:?}: {error}"))
             .lattice;
         assert!((lattice.volume() / plain.lattice.volume() - 1.0).abs() < 1e-3);
+    }
+}
+
+/// Another mesh of the same surface follows the line by other edges; what is on it goes with the left all the same, but
+/// where the line turns on an edge of the driver.
+#[test]
+fn lines_of_other_meshes_are_on_the_left() {
+    let driver = block();
+    let plain = EmbeddingLattice::new(&driver, &body(Shape::Linear), 1e-3, Smoothing::Loop);
+    let plain = plain.expect("a smooth block");
+    let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
+    let tracer = LineTracer::new(driver.topology(), driver.rest());
+    for (way, turns) in [
+        ([[0.3, 0.25], [0.5, 0.45], [0.7, 0.75]], 0),
+        ([[0.3, 0.25], [0.48, 0.52], [0.7, 0.3]], 1),
+    ] {
+        let mut layer = slitted(&driver, &[across(0.05)], 4e-3);
+        let line = tracer.trace(&LineInput::Positions {
+            points: way
+                .map(|[x, y]| Vector3::new(x * SIDES[0], y * SIDES[1], SIDES[2]))
+                .to_vec(),
+            is_closed: false,
+            reach: 1e-4,
+            corners: Corners::Round,
+        });
+        layer.creases[0].line = line.expect("a line on the top");
+        let flesh = [plain.flesh_below(&driver, &layer.creases)];
+        let on = (driver.as_ref(), Smoothing::Loop);
+        let cut = plain.clone();
+        let cut = cut.with_slits(on, &body(Shape::Linear), &[layer.clone()], &flesh);
+        let cut = cut.expect("a slit");
+        for levels in [1, 2, 3] {
+            let other = BaseSurface::new(&driver, &faces, levels, Smoothing::Loop);
+            let other = cut_along_creases(&driver, &layer.creases, Cut::none(Piece::of(&other)));
+            let length = layer.creases[0].line.length();
+            let vertices = other.creases.iter().flat_map(|crease| {
+                let ends = other.piece.mesh.edges()[crease.edge].vertices;
+                ends.into_iter().zip(crease.at)
+            });
+            // The slit runs out where it ends.
+            let inside = vertices.filter(|(_, at)| at.min(length - at) > 0.1 * length);
+            let is_right = |v: VertexId| {
+                let address = cut.address(&other.piece.points[v.index()]);
+                !cut.faces.is_left[address.face]
+            };
+            let all: BTreeSet<VertexId> = inside.map(|(v, _)| v).collect();
+            let right = all.iter().filter(|v| is_right(**v)).count();
+            assert!(
+                all.len() > 1 && right <= turns,
+                "{way:?}, {levels}: {right}"
+            );
+        }
     }
 }
 
