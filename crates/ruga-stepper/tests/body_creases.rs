@@ -178,12 +178,27 @@ fn skin_folds_into_a_slit() {
     let shapes = [1, 2].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let result = pool.expect("threads").install(|| run(&cut));
-        (
-            result.keys[0].layers[0].positions.clone(),
-            result.layers[0].creases[0].clone(),
-        )
+        let surface = result.keys[0].layers[0].clone();
+        let report = result.layers[0].creases[0].clone();
+        (surface.positions, report, surface.relief)
     });
     assert!(shapes[0] == shapes[1], "one thread and two");
+    // Maps show all of the fold.
+    let lowest = |places: &[Vector3<f64>]| {
+        let inside = places
+            .iter()
+            .filter(|x| (x.y - 0.5 * PILLOW.y).abs() < 0.2 * PILLOW.y);
+        inside
+            .filter(|x| x.z > 0.5 * PILLOW.z)
+            .map(|x| x.z)
+            .fold(f64::MAX, f64::min)
+    };
+    let [real, shown] = [&shapes[0].0, &shapes[0].2].map(|places| PILLOW.z - lowest(places));
+    println!("depth of the fold and as shown: {real} {shown}");
+    assert!(
+        real > 1e-4 && (shown / real - 1.0).abs() < 0.02,
+        "{real} {shown}"
+    );
     let plain = run(&whole);
     let folds = [plain.layers[0].creases[0].fold, shapes[0].1.fold];
     println!("folds without and with a slit: {folds:?}");
