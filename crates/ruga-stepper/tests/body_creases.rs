@@ -205,6 +205,18 @@ fn skin_folds_into_a_slit() {
     assert!(folds[1] > 0.2 && folds[0] < 0.02, "{folds:?}");
 }
 
+/// Nothing keeps walls apart that are pressed together; the run says so, and of which crease.
+#[test]
+fn a_run_tells_of_walls_that_overlap() {
+    let tells = |way: f64| {
+        let pressed = pulled(&[(across(0.05), Some(0.015))], (way, 1.0)).expect("a pillow");
+        let warnings = run(&pressed).warnings.into_iter();
+        let told = warnings.filter(|text| text.contains("the slit of crease 'line 0' overlap"));
+        told.count()
+    };
+    assert_eq!([tells(3e-4), tells(-6e-4)], [0, 1]);
+}
+
 #[test]
 fn slits_without_a_depth_or_a_body_are_refused() {
     for depth in [0.0, -0.01, f64::NAN, f64::INFINITY] {
