@@ -429,12 +429,8 @@ fn scene_creases_belong_to_the_lowest_layer() {
     assert!(preset.layers[0].creases[0].anchor.is_none());
     let told = preset.warnings.iter();
     assert_eq!(told.filter(|text| text.contains("is left out")).count(), 1);
-    for (depth, found) in [
-        ("0.0", "0"),
-        ("-1e-3", "-0.001"),
-        ("nan", "NaN"),
-        ("inf", "inf"),
-    ] {
+    let depths = ["0.0", "-1e-3", "nan", "inf"];
+    for (depth, found) in depths.into_iter().zip(["0", "-0.001", "NaN", "inf"]) {
         let words = format!("creases[0].slit | found {found}; accepted: a number above 0");
         site.refuses(&body(&format!("slit = {depth}")), &words);
     }
@@ -444,10 +440,8 @@ fn scene_creases_belong_to_the_lowest_layer() {
     };
     let words = "creases[0].anchor | no anchor with [sheet]";
     says(sheet("anchor = { depth = 1e-4 }"), words);
-    says(
-        sheet("slit = 8e-3"),
-        "creases[0].slit | no slit without [interior]",
-    );
+    let words = "creases[0].slit | no slit without [interior]";
+    says(sheet("slit = 8e-3"), words);
     let warnings = sheet("preset = \"palm-line\"\nwidth = 1e-4")
         .unwrap()
         .warnings;

@@ -139,9 +139,7 @@ impl EmbeddingLattice {
         }
         Embedding::of_surface(&self.lattice, &addresses, rest, &normals)
     }
-}
 
-impl EmbeddingLattice {
     fn address(&self, point: &MaterialPoint) -> MaterialPoint {
         self.faces.address(point)
     }

@@ -147,8 +147,8 @@ impl EmbeddingLattice {
         // Normals of the left wall point out of its flesh, over to the right one.
         let pairs = left.iter().zip(&right).zip(sides[0].normals(q));
         let depths = pairs.map(|((left, right), normal)| normal.dot(&(left - right)));
-        let deepest = depths.zip(slits).max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let (depth, slit) = deepest;
+        let deepest = depths.zip(slits).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (depth, slit) = deepest?;
         (depth > 0.0).then(|| (depth, names[*slit].as_str()))
     }
 }
