@@ -181,6 +181,47 @@ impl LoopSurface {
     /// # Panics
     /// As [`jets`](Self::jets).
     pub fn planes(&self, points: &[MaterialPoint], control: &[Vector3<f64>]) -> Vec<TangentPlane> {
+        self.at_each(points, |vertices, weights: &[[f64; 3]]| {
+            let mut sums = [Vector3::zeros(); 3];
+            for (&vertex, weights) in vertices.iter().zip(weights) {
+                for (sum, &weight) in sums.iter_mut().zip(weights) {
+                    *sum += control[vertex as usize] * weight;
+                }
+            }
+            let [position, u, v] = sums;
+            TangentPlane {
+                position,
+                first: [u, v],
+            }
+        })
+    }
+
+    /// The positions of [`planes`](Self::planes) alone, for several sets of control points (m) at once.
+    ///
+    /// # Panics
+    /// As [`jets`](Self::jets).
+    pub fn positions<const K: usize>(
+        &self,
+        points: &[MaterialPoint],
+        controls: [&[Vector3<f64>]; K],
+    ) -> [Vec<Vector3<f64>>; K] {
+        let found = self.at_each(points, |vertices, weights: &[[f64; 1]]| {
+            controls.map(|control| {
+                let terms = vertices.iter().zip(weights);
+                terms
+                    .map(|(&v, [weight])| control[v as usize] * *weight)
+                    .sum()
+            })
+        });
+        std::array::from_fn(|k| found.iter().map(|values: &[_; K]| values[k]).collect())
+    }
+
+    /// What `of` makes of the vertices that each of many points depends on, and of the first `N` of their weights.
+    fn at_each<const N: usize, R: Copy + Send>(
+        &self,
+        points: &[MaterialPoint],
+        of: impl Fn(&[u32], &[[f64; N]]) -> R + Sync,
+    ) -> Vec<R> {
         // Face by face: what is prepared for a face serves all of its points.
         let mut by_face: Vec<u32> = (0..points.len() as u32).collect();
         by_face.sort_unstable_by_key(|&i| (points[i as usize].face, i));
@@ -199,35 +240,24 @@ impl LoopSurface {
                 }
                 false => self.patches[face].get_or_init(|| self.patch(face)),
             };
-            let mut weights: Vec<[f64; 3]> = Vec::new();
-            let plane = |&i: &u32| {
+            let mut weights: Vec<[f64; N]> = Vec::new();
+            let result = |&i: &u32| {
                 let vertices = self.weights_in(patch, &points[i as usize], &mut weights);
-                let mut sums = [Vector3::zeros(); 3];
-                for (&vertex, weights) in vertices.iter().zip(&weights) {
-                    for (sum, &weight) in sums.iter_mut().zip(weights) {
-                        *sum += control[vertex as usize] * weight;
-                    }
-                }
-                let [position, u, v] = sums;
-                TangentPlane {
-                    position,
-                    first: [u, v],
-                }
+                of(vertices, &weights)
             };
-            ranks.iter().map(plane).collect::<Vec<_>>()
+            ranks.iter().map(result).collect::<Vec<_>>()
         };
-        let nowhere = TangentPlane {
-            position: Vector3::zeros(),
-            first: [Vector3::zeros(); 2],
-        };
-        let mut planes = vec![nowhere; points.len()];
+        let mut results: Vec<Option<R>> = vec![None; points.len()];
         for parts in parts.chunks(PARTS_AT_A_TIME) {
             let found: Vec<_> = parts.par_iter().map(of_part).collect();
             for (&i, found) in parts.iter().copied().flatten().zip(found.iter().flatten()) {
-                planes[i as usize] = *found;
+                results[i as usize] = Some(*found);
             }
         }
-        planes
+        let every = results.into_iter();
+        every
+            .map(|result| result.expect("every point is in a part"))
+            .collect()
     }
 
     /// Forgets what was prepared for the faces asked for so far, 2 kB each.

@@ -223,6 +223,11 @@ impl LayerEnergy {
         &self.pattern
     }
 
+    /// Forgets where the blocks of the sheets' stencils lie in a matrix; the next one looks them up anew.
+    pub fn release_slots(&mut self) {
+        self.sheets.iter_mut().for_each(Sheet::release_slots);
+    }
+
     /// Energy (J) at the positions `x` (m) of all vertices.
     pub fn value(&self, x: &[Vector3<f64>]) -> f64 {
         self.total(x, self.foundation.anchors())

@@ -111,10 +111,14 @@ impl Sheet {
         let faces = &numbers.faces;
         pick(&mut self.parameters, &whole.parameters, faces);
         pick(&mut self.area_left, &whole.area_left, faces);
-        pick(&mut self.unstretched, &whole.unstretched, faces);
         pick(&mut self.rest, &whole.rest, faces);
         pick(&mut self.membranes, &whole.membranes, faces);
         self.bending.follow(&whole.bending, numbers);
+    }
+
+    /// Forgets the slots of its stencils.
+    pub(crate) fn release_slots(&mut self) {
+        self.slots = OnceLock::new();
     }
 
     pub(crate) fn faces(&self) -> &[[u32; 3]] {

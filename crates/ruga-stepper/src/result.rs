@@ -269,6 +269,20 @@ impl LayerSurface {
         let pairs = self.positions.iter().zip(smooth);
         pairs.map(|(x, (p, n))| x - p - n * self.offset).collect()
     }
+
+    /// Takes over the lists of `other` that are the same as its own: an output mesh that is made anew for every key
+    /// is kept once.
+    pub(crate) fn share_lists(&mut self, other: &Self) {
+        share(&mut self.faces, &other.faces);
+        share(&mut self.uvs, &other.uvs);
+        share(&mut self.artist, &other.artist);
+    }
+}
+
+fn share<T: PartialEq>(own: &mut Arc<[T]>, other: &Arc<[T]>) {
+    if own == other {
+        *own = Arc::clone(other);
+    }
 }
 
 impl FaceState {

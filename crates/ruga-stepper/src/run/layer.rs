@@ -153,6 +153,7 @@ impl Layer {
                     weights: weights(&region.skin)?,
                     interpolation: interpolation.transpose()?,
                     region: *region,
+                    unmade: None,
                 }))
             }
             OutputMesh::Later(unmade) => Output::Later(unmade),
@@ -398,6 +399,12 @@ impl Layer {
     /// Averaging constraints over all unknowns, and the Hessian's lower triangle.
     pub(crate) fn system(&self) -> (&LowerPattern, &ConstraintRows) {
         (self.pattern(), &self.rows)
+    }
+
+    /// Forgets what only solves of the whole take: the sparsity of its matrix, and where its blocks are.
+    pub(crate) fn release_pattern(&mut self) {
+        self.pattern = OnceLock::new();
+        self.energy.release_slots();
     }
 
     fn pattern(&self) -> &LowerPattern {

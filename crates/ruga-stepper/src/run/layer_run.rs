@@ -363,6 +363,7 @@ impl<'a> LayerRun<'a> {
     /// Gives back matrix and factor of the whole and what narrow patches are set up with, which the next solve makes
     /// anew. Wide patches keep nothing.
     fn release(&mut self) {
+        self.layer.release_pattern();
         if let Some(kkt) = &mut self.kkt {
             kkt.release();
         }

@@ -128,7 +128,7 @@ impl<'a> StackRun<'a> {
         let (piece, _) =
             preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
         let region = self.region(run.index, piece, preparing)?;
-        run.layer.show_on(driver, region, preparing)
+        run.layer.show_on(driver, (region, unmade), preparing)
     }
 
     /// Whether the output mesh of layer number `index` has long edges along its wrinkles.

@@ -395,10 +395,13 @@ impl<'a> StackRun<'a> {
         if !self.make_output(run, observer)? {
             return Ok(false);
         }
-        let run = &*run;
         observer.phase(lowest, Phase::Sampling);
         let support = self.support(&run.layer, point.weight_fraction);
         let mut layers = self.snapshot(run, support.as_ref(), &[], observer);
+        if !observer.wants_frames() {
+            run.layer.forget_output();
+        }
+        let run = &*run;
         // Before that the lowest layer has the key's place but not its wrinkles, which upper layers
         // lie on.
         if point.strain_fraction == 1.0 {
@@ -418,6 +421,11 @@ impl<'a> StackRun<'a> {
             // A key that was reached on a way that failed later stands here already.
             let load = point.weight_fraction;
             self.result.keys.retain(|key| key.load != load);
+            if let Some(last) = self.result.keys.last() {
+                for (surface, before) in layers.iter_mut().zip(&last.layers) {
+                    surface.share_lists(before);
+                }
+            }
             self.result.keys.push(KeyResult {
                 load: point.weight_fraction,
                 layers,

@@ -166,10 +166,11 @@ impl<'a> StackRun<'a> {
         let region = &layer.region().skin;
         let on = (driver.as_ref(), support);
         let surface = support_surface(on, region, attachment, lower).posed;
-        let shown = support_surface(on, region, attachment, &as_shown(lower)).posed;
-        let own = layer.snapshot(on, (&surface, &shown), attachment.offset);
-        let upper = layer.upper_snapshot(driver, &own, &surface);
-        let mut surfaces: Vec<_> = std::iter::once(own).chain(upper).collect();
+        // Maps show driver or body as they are.
+        let shown = (!lower.is_empty())
+            .then(|| support_surface(on, region, attachment, &as_shown(lower)).posed);
+        let below = (&surface, shown.as_ref().unwrap_or(&surface));
+        let mut surfaces = layer.snapshots(on, below, attachment.offset);
         if observer.wants_face_states() {
             for (surface, states) in surfaces.iter_mut().zip(layer.face_states()) {
                 surface.face_states = Some(states);

@@ -204,9 +204,11 @@ impl Fitting {
     ) -> Vec<Vector3<f64>> {
         let smooth = self.smooth.get_or_init(|| {
             let made = Interpolation::new(skin, &region.skin, &mut || true);
-            made.expect("nothing ends it early")
+            let prepared = made.and_then(|made| made.prepared(&mut || true));
+            prepared.expect("nothing ends it early")
         });
-        smooth.apply(values)
+        let [there] = smooth.apply([values]);
+        there
     }
 }
 

@@ -36,8 +36,16 @@ pub(crate) struct Interpolation {
     /// The vertex with the value of every control point: those on creases have one for each side.
     copied: Vec<VertexId>,
     at_vertices: SparseRows,
-    at_places: SparseRows,
+    limit: Limit,
     places: Vec<MaterialPoint>,
+}
+
+/// The limit surface at the places.
+#[derive(Clone, Debug)]
+enum Limit {
+    /// Made for each evaluation of this mesh, and forgotten: as much work as rows take once, and little memory.
+    Mesh(Box<TriMesh>),
+    Rows(SparseRows),
 }
 
 impl Interpolation {
@@ -53,26 +61,33 @@ impl Interpolation {
         let creases = from.creases.iter().map(|crease| crease.edge);
         let (faces, copied) = open_along(&from.mesh, creases);
         let opened = TriMesh::new(copied.len(), faces).expect("a manifold opened is one");
-        // Deviations from a smooth surface are smooth, so that no vertex is a corner.
-        let corners = PerVertex::filled(opened.vertex_count(), false);
-        let mut surface = LoopSurface::new(&opened, &corners);
-        let mut at_places = SparseRows::default();
-        // They are made in parts, so that a run on a whole face can be ended meanwhile.
-        for chunk in places.chunks(PLACES_AT_A_TIME) {
-            surface.add_position_rows(chunk, &mut at_places);
-            // Two places lie on a face of the layer's mesh, and all of its faces would take more memory than
-            // the layer.
-            surface.forget();
-            if !goes_on() {
-                return None;
-            }
-        }
         Some(Self {
-            at_vertices: limit_rows(&opened, &corners).position,
+            at_vertices: limit_rows(&opened, &no_corners(&opened)).position,
             copied,
-            at_places,
+            limit: Limit::Mesh(Box::new(opened)),
             places,
         })
+    }
+
+    /// The same transfer, prepared for being applied many times, 150 bytes a place; `None` as soon as `goes_on` says
+    /// no.
+    pub(crate) fn prepared(mut self, goes_on: &mut dyn FnMut() -> bool) -> Option<Self> {
+        if let Limit::Mesh(mesh) = &self.limit {
+            let mut surface = LoopSurface::new(mesh, &no_corners(mesh));
+            let mut rows = SparseRows::default();
+            // They are made in parts, so that a run on a whole face can be ended meanwhile.
+            for chunk in self.places.chunks(PLACES_AT_A_TIME) {
+                surface.add_position_rows(chunk, &mut rows);
+                // Two places lie on a face of the layer's mesh, and all of its faces would take more memory than
+                // the layer.
+                surface.forget();
+                if !goes_on() {
+                    return None;
+                }
+            }
+            self.limit = Limit::Rows(rows);
+        }
+        Some(self)
     }
 
     /// Material points on the one mesh of the vertices of the other.
@@ -80,11 +95,28 @@ impl Interpolation {
         &self.places
     }
 
-    pub(crate) fn apply(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
-        let values: Vec<_> = self.copied.iter().map(|v| values[v.index()]).collect();
-        self.at_places
-            .apply(&through_vertices(&self.at_vertices, &values))
+    /// Several sets of values at the vertices of the one mesh, at those of the other.
+    pub(crate) fn apply<const K: usize>(
+        &self,
+        values: [&[Vector3<f64>]; K],
+    ) -> [Vec<Vector3<f64>>; K] {
+        let controls = values.map(|values| {
+            let values: Vec<_> = self.copied.iter().map(|v| values[v.index()]).collect();
+            through_vertices(&self.at_vertices, &values)
+        });
+        match &self.limit {
+            Limit::Mesh(mesh) => {
+                let surface = LoopSurface::new(mesh, &no_corners(mesh));
+                surface.positions(&self.places, controls.each_ref().map(Vec::as_slice))
+            }
+            Limit::Rows(rows) => controls.map(|control| rows.apply(&control)),
+        }
     }
+}
+
+/// Deviations from a smooth surface are smooth, so that no vertex is a corner.
+fn no_corners(mesh: &TriMesh) -> PerVertex<bool> {
+    PerVertex::filled(mesh.vertex_count(), false)
 }
 
 /// Control points whose limit surface, by the rows `at_vertices`, passes closer to `values`.

@@ -265,17 +265,16 @@ impl Layer {
         let Some(interpolation) = Interpolation::new(&other.skin, &self.skin, goes_on) else {
             return Ok(false);
         };
-        let deviations = interpolation.apply(&other.deviations());
-        for v in &self.free {
-            let i = v.index();
-            self.positions[i] = self.base[i] + deviations[i];
-        }
         let means = vertex_means(&other.skin.mesh, |face| ratios[face].max(0.0)).into_vec();
         let at_vertices: Vec<_> = means
             .into_iter()
             .map(|mean| Vector3::new(mean, 0.0, 0.0))
             .collect();
-        let at_vertices = interpolation.apply(&at_vertices);
+        let [deviations, at_vertices] = interpolation.apply([&other.deviations(), &at_vertices]);
+        for v in &self.free {
+            let i = v.index();
+            self.positions[i] = self.base[i] + deviations[i];
+        }
         let faces = self.skin.mesh.faces();
         let mean = |corners: &[VertexId; 3]| {
             corners

@@ -43,6 +43,8 @@ pub(super) struct Shown {
     pub(super) weights: ReliefWeights,
     /// Takes results to it; `None` where it is the layer's own mesh.
     pub(super) interpolation: Option<Interpolation>,
+    /// What it was made of, where it can be made again.
+    pub(super) unmade: Option<Arc<Unmade>>,
 }
 
 impl Layer {
@@ -62,21 +64,33 @@ impl Layer {
         }
     }
 
-    /// Shows the layer, whose mesh is a fitted one, on `region` from now on.
+    /// Shows the layer, whose mesh is a fitted one, on `region` from now on, which was made of `unmade`.
     pub(crate) fn show_on(
         &mut self,
         driver: &Driver,
-        region: RegionMesh,
+        (region, unmade): (RegionMesh, Arc<Unmade>),
         preparing: &mut Preparing<'_>,
     ) -> Result<(), Halt> {
-        let interpolation = Some(interpolation_to(&self.skin, &region, preparing)?);
+        let skin = &self.skin;
+        let interpolation =
+            preparing.while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))?;
         let weights = ReliefWeights::new(driver, &self.spec, &self.wrinkling, &region.skin)?;
         self.output = Output::Made(Box::new(Shown {
             region,
             weights,
-            interpolation,
+            interpolation: Some(interpolation),
+            unmade: Some(unmade),
         }));
         Ok(())
+    }
+
+    /// Gives back the output mesh where it can be made again: it takes as much memory as what solves the layer.
+    pub(crate) fn forget_output(&mut self) {
+        if let Output::Made(shown) = &mut self.output
+            && let Some(unmade) = shown.unmade.take()
+        {
+            self.output = Output::Later(unmade);
+        }
     }
 
     /// Output mesh.
@@ -111,11 +125,12 @@ impl Layer {
     }
 }
 
-/// Transfer of values at the vertices of `skin` to those of `region`.
+/// Transfer of values at the vertices of `skin` to those of `region`, which is there for good.
 pub(super) fn interpolation_to(
     skin: &SkinMesh,
     region: &RegionMesh,
     preparing: &mut Preparing<'_>,
 ) -> Result<Interpolation, Halt> {
-    preparing.while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))
+    preparing
+        .while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on)?.prepared(goes_on))
 }

@@ -10,29 +10,31 @@ use super::Layer;
 use crate::skin::quiet::{VertexDemand, wrinkled_shares};
 use crate::skin::relief::{ReliefWeights, shown_positions};
 use crate::skin::skin_mesh::SkinMesh;
+use crate::skin::upper_shell::UpperShell;
 use crate::support::Support;
 use crate::{ComputedMesh, LayerSurface};
 
 impl Layer {
-    /// The layer as others see it: over `real`, which is what lies below the region's own mesh, or as
-    /// maps show that, over `shown`, and the `support` of all layers.
-    pub(crate) fn snapshot(
+    /// The layer as others see it, and one that moves together with it: over `real`, which is what lies below the
+    /// region's own mesh, or as maps show that, over `shown`, and the `support` of all layers.
+    pub(crate) fn snapshots(
         &self,
         (driver, support): (&Driver, &dyn Support),
         (real, shown): (&PosedSurface, &PosedSurface),
         offset: f64,
-    ) -> LayerSurface {
+    ) -> Vec<LayerSurface> {
         let own = &self.positions[..self.vertex_count()];
         let computed = ComputedMesh::new(driver, &self.skin, own);
         let region = self.region();
         let surface = support.pose(&region.skin);
+        let (deviations, demands) = self.on_region();
         // The support surface is known on the output mesh itself. Only the deviation from it is
         // carried over from the layer's coarser mesh, so that smooth parts of the region stay
         // exact.
-        let positions = self.on_region(&real.positions, self.deviations());
-        let weights = self.region_weights(real);
+        let positions = sums(&real.positions, &deviations);
+        let weights = self.region_weights(&demands, real);
         let relief = shown_positions(&positions, real, shown, &weights);
-        LayerSurface {
+        let own = LayerSurface {
             name: self.spec.name.clone(),
             relief: region.on_both_sides(relief),
             positions: region.on_both_sides(positions),
@@ -45,32 +47,44 @@ impl Layer {
             computed,
             face_states: None,
             burnt: None,
-        }
+        };
+        let upper = self.upper.as_ref();
+        let upper = upper.map(|upper| self.upper_snapshot(driver, upper, (&own, real), &demands));
+        std::iter::once(own).chain(upper).collect()
     }
 
-    /// The layer that moves together with this one, of which `own` is the [`Self::snapshot`].
-    pub(crate) fn upper_snapshot(
+    /// The layer `upper` that moves together with this one, of which `own` is the snapshot.
+    fn upper_snapshot(
         &self,
         driver: &Driver,
-        own: &LayerSurface,
-        region_below: &PosedSurface,
-    ) -> Option<LayerSurface> {
-        let upper = self.upper.as_ref()?;
+        upper: &UpperShell,
+        (own, region_below): (&LayerSurface, &PosedSurface),
+        demands: &[VertexDemand],
+    ) -> LayerSurface {
         let above = upper.above(&region_below.positions, &region_below.normals);
         let above = PosedSurface {
             positions: above.collect(),
             ..region_below.clone()
         };
-        let positions = self.on_region(&above.positions, self.upper_deviations());
-        let relief = shown_positions(&positions, &above, &above, &self.region_weights(&above));
-        Some(LayerSurface {
+        let deviations = self.upper_deviations();
+        let deviations = match self.interpolation() {
+            None => deviations,
+            Some(interpolation) => {
+                let [deviations] = interpolation.apply([&deviations]);
+                deviations
+            }
+        };
+        let positions = sums(&above.positions, &deviations);
+        let weights = self.region_weights(demands, &above);
+        let relief = shown_positions(&positions, &above, &above, &weights);
+        LayerSurface {
             name: upper.name.clone(),
             relief: self.region().on_both_sides(relief),
             positions: self.region().on_both_sides(positions),
             offset: own.offset + upper.offset,
             computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
             ..own.clone()
-        })
+        }
     }
 
     /// Positions of the layer's own vertices as maps show them, over the support surface as maps
@@ -86,23 +100,28 @@ impl Layer {
     }
 
     /// Weights of the relief at the vertices of the output mesh over `surface`, with the present strain.
-    fn region_weights(&self, surface: &PosedSurface) -> Vec<f64> {
+    fn region_weights(&self, demands: &[VertexDemand], surface: &PosedSurface) -> Vec<f64> {
         let output = self.shown();
-        let demands = match &output.interpolation {
-            None => self.demands(),
-            Some(interpolation) => {
-                let values = self.demands().into_iter();
-                let values = values.map(|d| Vector3::new(d.strain_ratio, d.wavelength, d.turn));
-                let values = interpolation.apply(&values.collect::<Vec<_>>()).into_iter();
-                let demand = |value: Vector3<f64>| VertexDemand {
-                    strain_ratio: value.x,
-                    wavelength: value.y,
-                    turn: value.z,
-                };
-                values.map(demand).collect()
-            }
+        shown_weights(&output.weights, &output.region.skin, (demands, surface))
+    }
+
+    /// Deviations and demands at the vertices of the output mesh.
+    fn on_region(&self) -> (Vec<Vector3<f64>>, Vec<VertexDemand>) {
+        let (deviations, demands) = (self.deviations(), self.demands());
+        let Some(interpolation) = self.interpolation() else {
+            return (deviations, demands);
         };
-        shown_weights(&output.weights, &output.region.skin, (&demands, surface))
+        let values = demands.iter();
+        let values = values.map(|d| Vector3::new(d.strain_ratio, d.wavelength, d.turn));
+        let values: Vec<_> = values.collect();
+        // Both at once: most of the work on a place serves all that is known there.
+        let [deviations, values] = interpolation.apply([&deviations, &values]);
+        let demand = |value: Vector3<f64>| VertexDemand {
+            strain_ratio: value.x,
+            wavelength: value.y,
+            turn: value.z,
+        };
+        (deviations, values.into_iter().map(demand).collect())
     }
 
     /// What the support surface asks of the layer, or of the softer of two that move together, at the
@@ -128,20 +147,12 @@ impl Layer {
     pub(crate) fn support(&self) -> &PosedSurface {
         &self.support.posed
     }
+}
 
-    /// Deviations at the layer's vertices, added to places of the region's.
-    fn on_region(
-        &self,
-        places: &[Vector3<f64>],
-        deviations: Vec<Vector3<f64>>,
-    ) -> Vec<Vector3<f64>> {
-        let deviations = match self.interpolation() {
-            None => deviations,
-            Some(interpolation) => interpolation.apply(&deviations),
-        };
-        let pairs = places.iter().zip(&deviations);
-        pairs.map(|(place, deviation)| place + deviation).collect()
-    }
+/// Deviations added to places.
+fn sums(places: &[Vector3<f64>], deviations: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
+    let pairs = places.iter().zip(deviations);
+    pairs.map(|(place, deviation)| place + deviation).collect()
 }
 
 /// Weights of the relief at the vertices of a mesh, with what the surface below asks for there.

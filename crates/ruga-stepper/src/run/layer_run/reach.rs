@@ -142,6 +142,7 @@ impl<'a> LayerRun<'a> {
                 self.patches = self.patches_of(Width::Narrow);
                 if self.patches.is_some() {
                     self.kkt = None;
+                    self.layer.release_pattern();
                 }
             }
             if !self.place(loading, load, observer)? {
