@@ -69,6 +69,7 @@ fn layer_report(layer: &ruga_stepper::LayerReport, seconds: &Seconds) -> LayerRe
         residual: Some(layer.residual),
         stop_rule: layer.stop.map(stop_rule),
         bending_ratio: layer.bending_ratio,
+        left_out_m2: (layer.left_out > 0.0).then_some(layer.left_out),
         creases: layer
             .creases
             .iter()

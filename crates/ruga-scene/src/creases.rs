@@ -296,6 +296,7 @@ impl CreasedMesh<'_> {
             drive: self.drive((number, crease))?,
             anchor,
             slit: crease.slit,
+            absorbs: crease.absorb,
             memory: CreaseMemory::default(),
         })
     }

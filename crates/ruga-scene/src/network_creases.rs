@@ -142,6 +142,7 @@ impl CreasedMesh<'_> {
             drive: Drive::Always,
             anchor: None,
             slit: None,
+            absorbs: false,
             memory: kept.memory(),
         })
     }

@@ -442,6 +442,9 @@ fn scene_creases_belong_to_the_lowest_layer() {
     says(sheet("anchor = { depth = 1e-4 }"), words);
     let words = "creases[0].slit | no slit without [interior]";
     says(sheet("slit = 8e-3"), words);
+    let words = "creases[0].absorb | no `absorb` with [sheet] or [interior]";
+    says(sheet("absorb = true"), words);
+    site.refuses(&body("absorb = true"), words);
     let warnings = sheet("preset = \"palm-line\"\nwidth = 1e-4")
         .unwrap()
         .warnings;

@@ -27,6 +27,9 @@ pub struct CreaseSpec {
     pub slit: Option<f64>,
     /// What it keeps of earlier folds, in every pose.
     pub memory: CreaseMemory,
+    /// Whether it takes up, as a fold, what the skin within a wavelength is compressed by beyond what wrinkles can
+    /// take ([`ruga_material::capped_strain`]). Only on a driver.
+    pub absorbs: bool,
 }
 
 /// Springs that draw a crease towards a depth.
@@ -112,6 +115,15 @@ impl CreaseSpec {
             rest_angle: (drawn + taper * remembered * kept_angle)
                 .clamp(-LARGEST_ANGLE, LARGEST_ANGLE),
             sense: self.sense,
+        }
+    }
+
+    /// An angle (rad), or an anchor's depth (m) if it is not less to the crease's side than `least`, or else that.
+    pub(crate) fn at_least(&self, drawn: f64, least: f64) -> f64 {
+        if self.is_ridge {
+            drawn.min(-least)
+        } else {
+            drawn.max(least)
         }
     }
 

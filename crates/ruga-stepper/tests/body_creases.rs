@@ -42,6 +42,7 @@ fn line_across(driver: &Driver, width: f64, anchor: Option<CreaseAnchor>) -> Cre
         anchor,
         slit: None,
         memory: CreaseMemory::default(),
+        absorbs: false,
     }
 }
 

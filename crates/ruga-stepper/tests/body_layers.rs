@@ -73,6 +73,7 @@ fn a_soft_line_folds_on_a_body() {
         anchor: None,
         slit: None,
         memory: CreaseMemory::default(),
+        absorbs: false,
     }];
     let plan = pressed(&driver, &[skin], (6, 0.02 * 0.03));
     let result = plan.simulate(0, &mut Silent).expect("a run");

@@ -70,6 +70,10 @@ pub struct Crease {
     /// at least a cell of its lattice, in every pose. The skin goes across the cut. Only with `[interior]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slit: Option<f64>,
+    /// Whether it takes up, as a fold, what a pose compresses the skin by beyond the 15 to 25 % that wrinkles take,
+    /// across the line and within a wavelength of it: for lines of palms and finger joints.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub absorb: bool,
     /// Lengths over which it fades in from its start and out to its end, m; three widths if left out. A closed
     /// line has no ends.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -31,6 +31,11 @@ impl SceneFile {
             let accepted = "no slit without [interior], whose flesh it cuts";
             return fault(&format!("creases[{number}].slit"), "one", accepted);
         }
+        let absorbs = self.creases.iter().position(|crease| crease.absorb);
+        if let Some(number) = absorbs.filter(|_| self.sheet.is_some() || self.interior.is_some()) {
+            let accepted = "no `absorb` with [sheet] or [interior]: only blend shapes say how far skin is compressed";
+            return fault(&format!("creases[{number}].absorb"), "true", accepted);
+        }
         if self.driver.symmetry.is_some() {
             let accepted = "no `symmetry` with [[creases]], which may differ from side to side";
             return fault("driver.symmetry", "\"x\"", accepted);

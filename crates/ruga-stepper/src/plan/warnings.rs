@@ -103,7 +103,7 @@ impl PosedPlan<'_> {
             |face| self.is_active(plan, face) && pose_strains.compression[face] > CAP_START;
         (applied.capped_area > NEGLIGIBLE_AREA).then(|| {
             format!(
-                "{:.2} cm2 are compressed by more than 15 %, {}, where real skin folds, doubles its wrinkles or creases, which is not modelled. The map can be used there, but holds the wrinkles of 15 to 25 % compression, shallower than the pose asks for; if they look wrong, lower the weight or paint the place black in the region mask",
+                "{:.2} cm2 are compressed by more than 15 %, {}, where real skin folds or doubles its wrinkles. The map can be used there, but holds the wrinkles of 15 to 25 % compression, shallower than the pose asks for; if they look wrong, draw a crease that takes it up along the fold, with `absorb = true`, lower the weight or paint the place black in the region mask",
                 1e4 * applied.capped_area,
                 self.place(pose_strains, &is_capped)
             )

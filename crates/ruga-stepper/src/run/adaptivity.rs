@@ -156,7 +156,7 @@ impl SizingRequest {
             .collect();
         let along_crease = crease_aspect(points);
         let reach = CREASE_REACH * waves.clone().fold(0.0, f64::max);
-        for near in near_creases(&region.skin, reach) {
+        for near in near_creases(&region.skin, reach, |_| true) {
             let (v, wave) = (
                 near.vertex,
                 properties.vertices[near.vertex].wrinkling.wavelength,

@@ -1,5 +1,6 @@
 //! One layer, held by a surface below it.
 
+mod absorption;
 mod bending;
 mod creases;
 mod equilibrium;
@@ -18,7 +19,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_constraint::SampleConstraints;
-use ruga_material::{CAP_START, Wrinkling};
+use ruga_material::Wrinkling;
 use ruga_mesh::{Id, PerFace, PerVertex, VertexId};
 use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
 use ruga_solver::{ConstraintRows, LowerPattern};
@@ -35,8 +36,10 @@ use crate::support::support_surface::{SupportSurface, TangentialSprings};
 use crate::support::{Interior, Solid};
 use crate::{LayerSpec, StepperError};
 
+use absorption::Bands;
 use output::{Output, Shown, interpolation_to};
 
+pub(crate) use absorption::Absorption;
 pub(crate) use load::LayerState;
 pub(crate) use output::{OutputMesh, Unmade};
 
@@ -92,6 +95,9 @@ pub(crate) struct Layer {
     velocities: Vec<Vector3<f64>>,
     /// Strength with which every crease is drawn.
     crease_strengths: Vec<f64>,
+    /// The skin beside creases that take up compression, and what they take up of the present strains.
+    bands: Bands,
+    absorption: Absorption,
     /// Masses of the vertices, kg.
     masses: Vec<f64>,
     energy: LayerEnergy,
@@ -279,6 +285,8 @@ impl Layer {
             },
             velocities: vec![Vector3::zeros(); positions.len()],
             crease_strengths: Vec::new(),
+            bands: Bands::new(spec, &skin, &properties),
+            absorption: Absorption::default(),
             properties,
             skin,
             weights,
@@ -355,6 +363,7 @@ impl Layer {
             poisson: self.spec.material.poisson,
             strains: &self.strains,
             fractions: &self.fractions,
+            absorption: &self.absorption,
         }
     }
 
@@ -375,25 +384,6 @@ impl Layer {
     /// The body below that moves together with this layer.
     pub(crate) fn solid(&self) -> Option<&Solid> {
         self.solid.as_ref()
-    }
-
-    /// Whether an obstacle pushes.
-    pub(crate) fn is_touched(&self) -> bool {
-        let solid = self.solid.as_ref();
-        solid.is_some_and(|solid| solid.is_touched(&self.positions))
-    }
-
-    /// Deepest displacement of a vertex into an obstacle, m.
-    pub(crate) fn penetration(&self) -> f64 {
-        let solid = self.solid.as_ref();
-        solid.map_or(0.0, |solid| solid.penetration(&self.positions))
-    }
-
-    /// Fraction of the faces that are compressed beyond 15 %, where the layer feels no more.
-    pub(crate) fn capped_fraction(&self) -> f64 {
-        let strains = self.strains.as_slice().iter();
-        let capped = strains.filter(|strain| strain.first > CAP_START).count();
-        capped as f64 / self.strains.len().max(1) as f64
     }
 
     /// Averaging constraints over all unknowns, and the Hessian's lower triangle.

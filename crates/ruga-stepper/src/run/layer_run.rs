@@ -17,7 +17,7 @@ use crate::skin::upper_shell::UpperShell;
 use crate::support::motion::Inertia;
 use crate::{LayerPlan, LayerReport, Modelling, Observer, Phase, Progress, StepperError};
 
-pub(crate) use loading::{Ending, Loading};
+pub(crate) use loading::{Ending, Loading, loads_up_to};
 
 /// Fraction of the critical strain below which nothing can wrinkle.
 pub(crate) const LEAST_RATIO: f64 = 0.9;
@@ -384,6 +384,7 @@ impl<'a> LayerRun<'a> {
         let on = (heights.as_slice(), layer.skin().rest.positions.as_slice());
         let thickness = layer.spec.material.thickness;
         self.report.measure(on, &faces, thickness);
+        self.report.left_out = layer.left_out();
         self.report.creases = layer.crease_reports();
     }
 

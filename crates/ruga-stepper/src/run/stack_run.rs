@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::error::Halt;
 use crate::growth::PoseGrowth;
 use crate::run::layer::Layer;
-use crate::run::layer_run::{Ending, LayerRun, Loading};
+use crate::run::layer_run::{Ending, LayerRun, Loading, loads_up_to};
 use crate::run::layer_setup::OutputEdges;
 use crate::skin::cover::Covers;
 use crate::support::motion::Inertia;
@@ -71,18 +71,6 @@ impl Plan {
         let layers = self.poses[pose].layers.iter();
         layers.map(LayerReport::planned).collect()
     }
-}
-
-/// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
-pub(crate) fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Vec<f64> {
-    let mut loads: Vec<f64> = (1..=steps)
-        .map(|i| f64::from(i) / f64::from(steps))
-        .filter(|&load| load < last)
-        .chain(keys)
-        .collect();
-    loads.sort_by(f64::total_cmp);
-    loads.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-    loads
 }
 
 /// A fraction of the pose's weights, and a fraction of the strain there.
@@ -355,7 +343,7 @@ impl<'a> StackRun<'a> {
         inertia: Option<&Inertia>,
     ) -> Result<(), StepperError> {
         let load = point.weight_fraction * point.strain_fraction;
-        layer.draw_creases(&self.spec().weights, load)?;
+        layer.draw_creases(&self.spec().weights, (load, point.strain_fraction))?;
         let driver = self.plan.driver.as_ref();
         let growth = self.growth(lowest);
         let growth = growth.on_skin(driver, layer.skin(), point.weight_fraction);

@@ -6,6 +6,7 @@ use ruga_blend::{FaceStrain, face_strains};
 use ruga_material::capped_strain;
 use ruga_mesh::{FaceId, PerFace, face_areas};
 
+use crate::run::layer::Absorption;
 use crate::skin::local_skin::SkinProperties;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::support::support_surface::SupportSurface;
@@ -23,6 +24,8 @@ pub(crate) struct StrainRatios<'a> {
     pub(crate) strains: &'a PerFace<FaceStrain>,
     /// Fraction of the applied Green strain that every face feels, in (0, 1].
     pub(crate) fractions: &'a PerFace<f64>,
+    /// What creases take up of the strains beyond the cap.
+    pub(crate) absorption: &'a Absorption,
 }
 
 impl StrainRatios<'_> {
@@ -37,7 +40,11 @@ impl StrainRatios<'_> {
     }
 
     fn of_face_at(&self, fraction: f64, face: FaceId) -> f64 {
-        self.at(capped(&self.strains[face]), fraction, face)
+        self.at(self.capped(face), fraction, face)
+    }
+
+    fn capped(&self, face: FaceId) -> [f64; 2] {
+        capped(&self.strains[face], self.absorption.share(face))
     }
 
     /// The ratio of a face with these capped principal strains, of which a fraction is loaded.
@@ -66,7 +73,7 @@ impl StrainRatios<'_> {
     }
 
     fn fraction_of(&self, face: FaceId, wanted: f64) -> f64 {
-        let capped = capped(&self.strains[face]);
+        let capped = self.capped(face);
         if self.at(capped, 1.0, face) <= wanted {
             return 1.0;
         }
@@ -153,15 +160,22 @@ pub(crate) fn relative_to(strain: &FaceStrain, stretch: &Matrix2<f64>) -> FaceSt
     FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
 }
 
-/// Principal strains, capped, of which only a part is loaded: `fraction` times their Green strain.
-pub(crate) fn applied(strain: &FaceStrain, fraction: f64) -> [f64; 2] {
-    capped(strain).map(|strain| loaded(strain, fraction))
+/// Principal strains, capped but for the share that a crease takes up, of which only a part is loaded: `fraction`
+/// times their Green strain.
+pub(crate) fn applied(strain: &FaceStrain, absorbed: f64, fraction: f64) -> [f64; 2] {
+    capped(strain, absorbed).map(|strain| loaded(strain, fraction))
 }
 
-/// Principal strains, capped.
-fn capped(strain: &FaceStrain) -> [f64; 2] {
+/// Principal strains, capped but for the share that a crease takes up.
+fn capped(strain: &FaceStrain, absorbed: f64) -> [f64; 2] {
     // The second strain is not capped, because the rest metric shrinks along the first alone.
-    [capped_strain(strain.first), strain.second]
+    [felt(strain, absorbed), strain.second]
+}
+
+/// The larger principal strain, capped but for the share that a crease takes up.
+pub(crate) fn felt(strain: &FaceStrain, absorbed: f64) -> f64 {
+    let capped = capped_strain(strain.first);
+    capped + absorbed * (strain.first - capped)
 }
 
 /// The compression whose Green strain is a fraction of that of `compression`.

@@ -17,9 +17,9 @@ use super::Sheet;
 use super::state::{Moving, SheetState};
 use crate::error::Halt;
 use crate::preparing::Preparing;
+use crate::run::layer_run::loads_up_to;
 use crate::run::layer_run::warnings::why_stopped;
 use crate::run::layer_run::{Ending, SLOWLY_LESS};
-use crate::run::stack_run::loads_up_to;
 use crate::skin::skin_mesh::RegionMesh;
 use crate::support::Moves;
 use crate::{

@@ -1,7 +1,7 @@
 //! The skin beside creases, and the way they run there.
 
 use nalgebra::Vector3;
-use ruga_mesh::{Id, VertexId, edge_distances};
+use ruga_mesh::{Id, PerVertex, VertexId, edge_distances};
 
 use crate::skin::skin_mesh::SkinMesh;
 
@@ -12,17 +12,22 @@ pub(crate) struct NearCrease {
     pub(crate) distance: f64,
     /// Unit vector along the crease at its closest place.
     pub(crate) along: Vector3<f64>,
+    /// About the closest vertex on a crease.
+    pub(crate) origin: VertexId,
 }
 
-/// The vertices within `reach` (m) of creases, the closest first.
-pub(crate) fn near_creases(skin: &SkinMesh, reach: f64) -> Vec<NearCrease> {
-    if skin.creases.is_empty() {
-        return Vec::new();
-    }
+/// The vertices within `reach` (m) of those creases for whose lines `is_meant` holds, the closest first.
+pub(crate) fn near_creases(
+    skin: &SkinMesh,
+    reach: f64,
+    is_meant: impl Fn(usize) -> bool,
+) -> Vec<NearCrease> {
+    let creases = skin.creases.iter().filter(|crease| is_meant(crease.line));
     let (mesh, rest) = (&skin.mesh, &skin.rest.positions);
     let mut along = vec![Vector3::zeros(); rest.len()];
+    let mut origins: PerVertex<VertexId> = (0..rest.len()).map(VertexId::from_index).collect();
     let mut on: Vec<VertexId> = Vec::new();
-    for crease in &skin.creases {
+    for crease in creases {
         let ends = mesh.edges()[crease.edge].vertices;
         let way = rest[ends[1].index()] - rest[ends[0].index()];
         for v in ends {
@@ -45,12 +50,14 @@ pub(crate) fn near_creases(skin: &SkinMesh, reach: f64) -> Vec<NearCrease> {
             let around = around.flat_map(|&face| mesh.faces()[face]);
             let closest = around.min_by(|a, b| distances[*a].total_cmp(&distances[*b]));
             along[v.index()] = closest.map_or(Vector3::zeros(), |other| along[other.index()]);
+            origins[v] = closest.map_or(v, |other| origins[other]);
         }
         let direction = along[v.index()].try_normalize(0.0);
         NearCrease {
             vertex: v.index(),
             distance,
             along: direction.unwrap_or_else(Vector3::zeros),
+            origin: origins[v],
         }
     });
     found.collect()

@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 use ruga_blend::Weights;
 use ruga_material::Wrinkling;
 use ruga_mesh::{EdgeId, Id};
-use ruga_shell::LineAnchor;
+use ruga_shell::{Crease, LineAnchor};
 
-use super::Layer;
+use super::{Layer, layer_parameters};
 use crate::skin::fading::{distances_from, faded};
 use crate::skin::quiet::VertexDemand;
 use crate::{CreaseReport, FoldSample, StepperError};
@@ -26,24 +26,26 @@ fn held(strength: f64) -> f64 {
 
 impl Layer {
     /// Draws the creases as a pose of these weights in full does at a `load` of it.
+    ///
+    /// Of what creases take up of the compression it draws the share `absorbed`.
     pub(crate) fn draw_creases(
         &mut self,
         weights: &Weights,
-        load: f64,
+        (load, absorbed): (f64, f64),
     ) -> Result<(), StepperError> {
         let creases = self.spec.creases.iter();
         let strengths = creases.map(|crease| crease.strength(weights, load));
         // What is kept of earlier folds is there in every pose.
-        let strengths: Vec<f64> = strengths.chain([1.0]).collect();
+        let strengths: Vec<f64> = strengths.chain([1.0, absorbed]).collect();
         self.set_crease_strengths(strengths)
     }
 
     /// Strengths of creases that are not drawn, and keep nothing.
     pub(super) fn undrawn(&self) -> Vec<f64> {
-        vec![0.0; self.spec.creases.len() + 1]
+        vec![0.0; self.spec.creases.len() + 2]
     }
 
-    /// Strength with which every crease is drawn, and last the share of what they keep.
+    /// Strength with which every crease is drawn, then the shares of what they keep and of what they take up.
     pub(crate) fn crease_strengths(&self) -> &[f64] {
         &self.crease_strengths
     }
@@ -67,16 +69,49 @@ impl Layer {
         if self.skin.creases.is_empty() || self.crease_strengths == strengths {
             return Ok(());
         }
-        let remembered = strengths[self.spec.creases.len()];
+        self.crease_strengths = strengths;
+        self.fold_creases()
+    }
+
+    /// Finds what creases take up of the present strains.
+    pub(super) fn absorb(&mut self) -> Result<(), StepperError> {
+        let absorption = self
+            .bands
+            .absorption(&self.strains, self.skin.creases.len());
+        if absorption == self.absorption {
+            return Ok(());
+        }
+        let mut faces =
+            layer_parameters(&self.properties, self.spec.coupling.has_foundation()).faces;
+        for (face, left) in faces.iter_mut().zip(&absorption.carried) {
+            face.normal_stiffness *= left;
+            face.gradient_stiffness *= left;
+        }
+        let outcome = self.energy.set_face_parameters(&faces);
+        outcome.map_err(|source| self.shell_error(source))?;
+        self.absorption = absorption;
+        self.fold_creases()
+    }
+
+    /// Gives the edges on creases the angles and depths of the present strengths.
+    fn fold_creases(&mut self) -> Result<(), StepperError> {
+        let strengths = &self.crease_strengths;
+        let [remembered, absorbed] = [0, 1].map(|i| strengths[self.spec.creases.len() + i]);
         let mut creases = Vec::new();
         let mut anchors = Vec::new();
-        for on_edge in &self.skin.creases {
+        for (rank, on_edge) in self.skin.creases.iter().enumerate() {
+            let fold = self.absorption.fold(rank);
             let (spec, strength) = (&self.spec.creases[on_edge.line], strengths[on_edge.line]);
             let tapers = on_edge.at.map(|at| spec.taper(at));
             let taper = 0.5 * (tapers[0] + tapers[1]);
             let modulus = self.beside(on_edge.edge, |wave| wave.bending_stiffness);
             let drawn = (strength, remembered);
-            creases.push((on_edge.edge, spec.on_edge(on_edge.at, drawn, modulus)));
+            let drawn = spec.on_edge(on_edge.at, drawn, modulus);
+            let crease = Crease {
+                rest_angle: spec.at_least(drawn.rest_angle, absorbed * fold.angle),
+                ..drawn
+            };
+            creases.push((on_edge.edge, crease));
             if let Some(anchor) = spec.anchor {
                 let unit = |wave: &Wrinkling| wave.normal_stiffness / wave.wave_number;
                 anchors.push(LineAnchor {
@@ -87,7 +122,10 @@ impl Layer {
                         * held(strength)
                         * anchor.stiffness
                         * self.beside(on_edge.edge, unit),
-                    depths: tapers.map(|taper| spec.anchor_depth(anchor, taper * strength)),
+                    depths: tapers.map(|taper| {
+                        let drawn = spec.anchor_depth(anchor, taper * strength);
+                        spec.at_least(drawn, absorbed * fold.depth)
+                    }),
                 });
             }
         }
@@ -100,9 +138,7 @@ impl Layer {
                 Ok(())
             }
         });
-        outcome.map_err(|source| self.shell_error(source))?;
-        self.crease_strengths = strengths;
-        Ok(())
+        outcome.map_err(|source| self.shell_error(source))
     }
 
     /// Mean of what the layer is like on the faces beside an edge.
@@ -117,7 +153,8 @@ impl Layer {
     /// Whether the present strengths draw the crease number `line`.
     fn is_drawn(&self, line: usize) -> bool {
         let strength = self.crease_strengths.get(line);
-        strength.is_some_and(|&strength| self.spec.creases[line].is_drawn(strength))
+        let takes_up = self.spec.creases[line].absorbs && !self.absorption.is_empty();
+        takes_up || strength.is_some_and(|&strength| self.spec.creases[line].is_drawn(strength))
     }
 
     /// Raises the demand of the vertices that a drawn crease or a slit reaches to at least `least`: relief shows

@@ -43,7 +43,11 @@ impl Layer {
         energy: &EnergyParts,
         area: f64,
     ) -> FaceState {
-        let [first, second] = applied(&self.strains[face], self.fractions[face]);
+        let [first, second] = applied(
+            &self.strains[face],
+            self.absorption.share(face),
+            self.fractions[face],
+        );
         let critical_strain = local.wrinkling.critical_strain;
         FaceState {
             strain_ratio: (first + local.material.poisson * second) / critical_strain,

@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix2, Vector3};
 use ruga_blend::{FaceStrain, Weights};
-use ruga_material::{CAP_START, capped_strain};
-use ruga_mesh::{FaceId, Id, PerFace, VertexId, vertex_means};
+use ruga_material::CAP_START;
+use ruga_mesh::{FaceId, Id, PerFace, VertexId, face_areas, vertex_means};
 use ruga_shell::ShellError;
 
 use super::{Layer, laid_on};
 use crate::StepperError;
-use crate::run::strain_ratio::{applied, driven_strains, green_strain, relative_to_growth};
+use crate::run::strain_ratio::{applied, driven_strains, felt, green_strain, relative_to_growth};
 use crate::skin::interpolation::Interpolation;
 use crate::skin::relief::turn_between;
 use crate::support::motion::Inertia;
@@ -62,6 +62,7 @@ impl Layer {
         self.support = support;
         self.measure_strains();
         self.fractions = fractions;
+        self.absorb()?;
         self.hold()
     }
 
@@ -164,7 +165,8 @@ impl Layer {
         let along = strain.direction * strain.direction.transpose();
         // The metric shrinks along the compression only: across it the skin is stretched as the
         // pose asks for.
-        let stretch = Matrix2::identity() + along * (metric_ratio(strain) - 1.0);
+        let ratio = metric_ratio(strain, self.absorption.share(face));
+        let stretch = Matrix2::identity() + along * (ratio - 1.0);
         match &self.support.transfer {
             Some(transfer) => stretch * transfer[face.index()],
             None => stretch,
@@ -172,8 +174,22 @@ impl Layer {
     }
 
     fn metric_ratios(&self) -> impl Iterator<Item = f64> + '_ {
-        let driven = self.driven_strains();
-        driven.as_slice().iter().map(metric_ratio)
+        let driven = self.driven_strains().iter();
+        driven.map(|(face, strain)| metric_ratio(strain, self.absorption.share(face)))
+    }
+
+    /// Fraction of the faces that are compressed beyond 15 %, where the layer feels no more.
+    pub(crate) fn capped_fraction(&self) -> f64 {
+        let strains = self.strains.as_slice().iter();
+        let capped = strains.filter(|strain| strain.first > CAP_START).count();
+        capped as f64 / self.strains.len().max(1) as f64
+    }
+
+    /// Area of the skin (m²) by which the surface below compresses it beyond what the layer feels.
+    pub(crate) fn left_out(&self) -> f64 {
+        let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
+        let ratios = self.metric_ratios().zip(areas.as_slice());
+        ratios.map(|(ratio, area)| (1.0 - ratio) * area).sum()
     }
 
     /// Lag of the energy behind the support surface as a solve has left that: the largest angle (rad) by
@@ -198,10 +214,11 @@ impl Layer {
         let natural: Vec<_> = strains
             .map(|(face, strain)| {
                 let critical = self.properties.faces[face].wrinkling.critical_strain;
-                let effective = wanted(critical, applied(strain, self.fractions[face]));
+                let share = self.absorption.share(face);
+                let effective = wanted(critical, applied(strain, share, self.fractions[face]));
                 // What the layer is not to feel, and what it has grown, is strain without stress.
                 let whole = &driven[face];
-                green_strain(whole, applied(whole, 1.0)) - green_strain(strain, effective)
+                green_strain(whole, applied(whole, share, 1.0)) - green_strain(strain, effective)
             })
             .collect();
         let outcome = self.energy.set_natural_strains(&natural);
@@ -251,6 +268,18 @@ impl Layer {
             growth: self.support.growth.take(),
         };
         self.set_support(surface, 1.0)
+    }
+
+    /// Whether an obstacle pushes.
+    pub(crate) fn is_touched(&self) -> bool {
+        let solid = self.solid.as_ref();
+        solid.is_some_and(|solid| solid.is_touched(&self.positions))
+    }
+
+    /// Deepest displacement of a vertex into an obstacle, m.
+    pub(crate) fn penetration(&self) -> f64 {
+        let solid = self.solid.as_ref();
+        solid.map_or(0.0, |solid| solid.penetration(&self.positions))
     }
 
     /// Takes over how `other`, the same layer on another mesh, deviates from the surface below, and of the
@@ -325,8 +354,8 @@ impl Layer {
     }
 }
 
-/// Factor by which a face's rest length shrinks along its compression.
-fn metric_ratio(strain: &FaceStrain) -> f64 {
-    let ratio = (1.0 - strain.first) / (1.0 - capped_strain(strain.first));
+/// Factor by which a face's rest length shrinks along its compression, of which a crease takes up a share.
+fn metric_ratio(strain: &FaceStrain, absorbed: f64) -> f64 {
+    let ratio = (1.0 - strain.first) / (1.0 - felt(strain, absorbed));
     ratio.max(LEAST_STRETCH)
 }

@@ -44,3 +44,15 @@ pub(crate) enum Ending {
     /// The observer ended it.
     Interrupted,
 }
+
+/// `steps` equal steps to 1, as far as `last`, and the `keys`; ascending.
+pub(crate) fn loads_up_to(last: f64, steps: u32, keys: impl IntoIterator<Item = f64>) -> Vec<f64> {
+    let mut loads: Vec<f64> = (1..=steps)
+        .map(|i| f64::from(i) / f64::from(steps))
+        .filter(|&load| load < last)
+        .chain(keys)
+        .collect();
+    loads.sort_by(f64::total_cmp);
+    loads.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+    loads
+}

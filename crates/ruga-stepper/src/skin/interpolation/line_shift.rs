@@ -223,6 +223,7 @@ mod tests {
             anchor: None,
             slit: None,
             memory: CreaseMemory::default(),
+            absorbs: false,
         };
         let layer = LayerSpec {
             creases: vec![ring],

@@ -40,6 +40,7 @@ fn anchored(driver: &Driver) -> LayerSpec {
         }),
         slit: None,
         memory: CreaseMemory::default(),
+        absorbs: false,
     }];
     spec
 }

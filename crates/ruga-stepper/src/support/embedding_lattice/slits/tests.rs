@@ -71,6 +71,7 @@ fn slitted(driver: &Driver, ways: &[Way], depth: f64) -> LayerSpec {
             anchor: None,
             slit: Some(depth),
             memory: CreaseMemory::default(),
+            absorbs: false,
         });
     }
     spec
