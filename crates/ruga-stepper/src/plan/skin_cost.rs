@@ -8,7 +8,7 @@ use crate::run::patches::Width;
 pub const BYTES_PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the lowest layer's output mesh, one that is fine in all directions; halving leaves
 /// more vertices than planned. From a smile of 69 thousand.
-const PER_OUTPUT_VERTEX: f64 = 4.5e3;
+const PER_OUTPUT_VERTEX: f64 = 3.5e3;
 /// The same for layers on others, whose meshes are fine across the waves alone and fitted to coarser ones: from raised
 /// brows of 285 and 904 thousand vertices, which take 3.6 and 10 GB.
 const PER_OUTPUT_VERTEX_ABOVE: f64 = 1.5e3;
@@ -58,8 +58,8 @@ pub(crate) struct Load {
 /// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
 /// grow with its size. The output mesh has `output_vertices`; maps are `map_size` texels wide, and the time that it
 /// takes to bake them is not counted. All memory is added up, though what a layer is solved with is given back before
-/// its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 720 MB for a
-/// smile that takes 590.
+/// its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 650 MB for a
+/// smile that takes 510.
 pub(crate) fn cost(
     (vertices, is_lowest): (usize, bool),
     most_in_whole: usize,

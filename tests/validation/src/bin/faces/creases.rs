@@ -65,11 +65,18 @@ const ON_FACE: [Drawn; 8] = [
     ),
 ];
 
-/// Lines of the palm and of the index finger of the shared hand.
-const ON_HAND: [Drawn; 4] = [
+/// Lines of the palm and of fingers of the shared hand: along the middle of where closing it presses the skin most, and
+/// one beside it.
+const ON_HAND: [Drawn; 5] = [
     (
         "palm-line",
-        &[[0.465, 0.165], [0.43, 0.225], [0.40, 0.27], [0.375, 0.305]],
+        &[
+            [0.463, 0.186],
+            [0.457, 0.221],
+            [0.438, 0.253],
+            [0.415, 0.283],
+            [0.394, 0.295],
+        ],
         &[],
     ),
     (
@@ -77,8 +84,21 @@ const ON_HAND: [Drawn; 4] = [
         &[[0.435, 0.165], [0.405, 0.21], [0.375, 0.26]],
         &[],
     ),
-    ("finger-flexion", &[[0.503, 0.135], [0.505, 0.17]], &[]),
-    ("finger-flexion", &[[0.545, 0.127], [0.545, 0.154]], &[]),
+    (
+        "finger-flexion",
+        &[[0.432, 0.327], [0.436, 0.322], [0.44, 0.316]],
+        &[],
+    ),
+    (
+        "finger-flexion",
+        &[[0.565, 0.238], [0.566, 0.232], [0.568, 0.225]],
+        &[],
+    ),
+    (
+        "finger-flexion",
+        &[[0.518, 0.23], [0.521, 0.221], [0.524, 0.213]],
+        &[],
+    ),
 ];
 
 /// A scene without lines and with them.
@@ -192,19 +212,24 @@ fn creases(drawn: &[Drawn]) -> String {
             ),
         };
         format!(
-            "[[creases]]\nname = \"{preset}-{number}\"\npreset = \"{preset}\"\nuv = {uv:?}\n{drive}\n"
+            "[[creases]]\nname = \"{preset}-{number}\"\npreset = \"{preset}\"\nabsorb = true\nuv = {uv:?}\n{drive}\n"
         )
     };
     drawn.iter().enumerate().map(crease).collect()
 }
 
-/// How the lines of a pose have folded, and what they cost.
+/// How the lines of a pose have folded, what they cost, and what is left out of the skin's compression without and with
+/// them.
 fn told(plain: &Pose, creased: &Pose) -> String {
     let folds = creased.layers().iter().flat_map(|layer| &layer.creases);
     let folds = folds.map(|crease| format!("{} {:.0}", crease.name, crease.fold_deg.mean));
     let folds: Vec<String> = folds.collect();
+    let [before, after] = [plain, creased].map(|pose| {
+        let left_out = pose.layers().iter().filter_map(|layer| layer.left_out_m2);
+        1e4 * left_out.fold(0.0, |sum, area| sum + area)
+    });
     format!(
-        "{}: {:.2} times as long; mean folds in degrees: {}",
+        "{}: {:.2} times as long; mean folds in degrees: {}; left out of the compression {after:.2} cm2 for {before:.2}",
         creased.planned.name,
         creased.cpu_seconds() / plain.cpu_seconds(),
         folds.join(", ")
