@@ -88,7 +88,7 @@ pub struct LayerReport {
     pub stop_rule: Option<String>,
     /// Response bending modulus of the layer's own mesh over that of its material.
     pub bending_ratio: Option<f64>,
-    /// Area by which the pose compresses the skin beyond what wrinkles and creases take up, m².
+    /// Area by which the last key compresses the layer beyond what wrinkles and creases take up, m².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out_m2: Option<f64>,
     /// Creases of the layer that lie on its mesh.

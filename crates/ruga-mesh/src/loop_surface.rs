@@ -216,7 +216,8 @@ impl LoopSurface {
         std::array::from_fn(|k| found.iter().map(|values: &[_; K]| values[k]).collect())
     }
 
-    /// What `of` makes of the vertices that each of many points depends on, and of the first `N` of their weights.
+    /// Evaluates `of` at many points, by all threads: it is given the vertices that a point depends on, and the first
+    /// `N` of their weights.
     fn at_each<const N: usize, R: Copy + Send>(
         &self,
         points: &[MaterialPoint],

@@ -95,6 +95,10 @@ fn planes_at_many_points_are_those_of_rows() {
         let surface = control.surface();
         let planes = surface.planes(&points, &control.positions);
         assert!(planes == surface.rows(&points).apply(&control.positions));
+        let turned: Vec<_> = control.positions.iter().map(Vector3::yzx).collect();
+        let sets = [control.positions.as_slice(), &turned];
+        let rows = surface.position_rows(&points);
+        assert!(surface.positions(&points, sets) == sets.map(|set| rows.apply(set)));
     }
 }
 

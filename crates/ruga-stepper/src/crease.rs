@@ -83,6 +83,12 @@ impl CreaseSpec {
         self.law.taper(at, length, is_closed)
     }
 
+    /// Strength that the ends of the line leave between two arc lengths (m).
+    pub(crate) fn mean_taper(&self, ends: [f64; 2]) -> f64 {
+        let [from, to] = ends.map(|at| self.taper(at));
+        0.5 * (from + to)
+    }
+
     /// Compressive strain at which a layer that wrinkles like this folds along the line, in critical
     /// strains.
     pub(crate) fn onset_ratio(&self, wrinkling: &Wrinkling) -> f64 {
@@ -104,7 +110,7 @@ impl CreaseSpec {
         modulus: f64,
     ) -> Crease {
         let mean = |[from, to]: [f64; 2]| 0.5 * (from + to);
-        let taper = mean(ends.map(|at| self.taper(at)));
+        let taper = self.mean_taper(ends);
         let kept = ends.map(|at| self.memory.at(self.share(at)));
         let kept_angle = mean(kept.map(|kept| kept.angle));
         let kept_softness = mean(kept.map(|kept| kept.softness));
@@ -118,7 +124,7 @@ impl CreaseSpec {
         }
     }
 
-    /// An angle (rad), or an anchor's depth (m) if it is not less to the crease's side than `least`, or else that.
+    /// Raises an angle (rad) or an anchor's depth (m) to `least`, to the side that the crease is drawn to.
     pub(crate) fn at_least(&self, drawn: f64, least: f64) -> f64 {
         if self.is_ridge {
             drawn.min(-least)

@@ -153,8 +153,9 @@ pub struct LayerReport {
     /// wanted, or else an estimate, where a part of a key's strain first reaches the critical one on some
     /// face; `None` for motion in time, which looks for none.
     pub onset_load: Option<f64>,
-    /// Area of the skin (m²) by which the last key compresses it beyond what wrinkles take
-    /// ([`ruga_material::capped_strain`]) and creases take up ([`CreaseSpec::absorbs`](crate::CreaseSpec::absorbs)).
+    /// Area of the skin (m²) by which it is compressed, in the last state, beyond what wrinkles take
+    /// ([`ruga_material::capped_strain`]) and creases take up ([`CreaseSpec::absorbs`](crate::CreaseSpec::absorbs)). Of
+    /// layers on each other each has its own.
     pub left_out: f64,
     /// Creases that have edges on its mesh.
     pub creases: Vec<CreaseReport>,

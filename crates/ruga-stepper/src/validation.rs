@@ -122,6 +122,18 @@ pub(crate) fn check_unslit(layer: &LayerSpec) -> Checked {
     }
 }
 
+/// Refuses creases that are to take up compression where no driver says beforehand how much there is.
+pub(crate) fn check_unabsorbing(layer: &LayerSpec) -> Checked {
+    match layer.creases.iter().find(|crease| crease.absorbs) {
+        None => Ok(()),
+        Some(crease) => {
+            let accepted =
+                "false but on a driver, whose blend shapes say how far skin is compressed";
+            refuse(of_crease(layer, crease), "absorbs", "true", accepted)
+        }
+    }
+}
+
 /// Refuses anchors that are as deep as the `flesh` below each crease (m), or deeper.
 pub(crate) fn check_anchor_depths(layer: &LayerSpec, flesh: &[f64]) -> Checked {
     for (crease, flesh) in layer.creases.iter().zip(flesh) {
@@ -185,6 +197,7 @@ pub(crate) fn check_carried(layer: &LayerSpec) -> Checked {
 pub(crate) fn check_sheet_layer(layer: &LayerSpec) -> Checked {
     check_unanchored(layer)?;
     check_unslit(layer)?;
+    check_unabsorbing(layer)?;
     check_grows(layer)?;
     check_plies(layer)?;
     let strange = |growth: &&GrowthSpec| growth.curl.iter().any(|curl| !curl.is_finite());

@@ -235,3 +235,19 @@ fn slits_without_a_depth_or_a_body_are_refused() {
         "{text}"
     );
 }
+
+/// A body says only when it is solved how far its skin is compressed.
+#[test]
+fn creases_of_a_body_take_up_nothing() {
+    let driver = slab(PILLOW, [12, 12, 6], |p| p);
+    let mut spec = with_slits(&driver, &[(across(0.05), None)]);
+    spec.creases[0].absorbs = true;
+    let body = free_body(6);
+    let poses = [pose(Vec::new(), &[1.0], 1)];
+    let error = plan_body(&driver, &[spec], &body, &poses, &modelling(6.0), 2048).err();
+    let text = error.map(|error| error.to_string()).unwrap_or_default();
+    assert!(
+        text.contains("`absorbs` is true; accepted: false"),
+        "{text}"
+    );
+}

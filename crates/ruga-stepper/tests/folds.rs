@@ -8,8 +8,8 @@ use ruga_blend::Driver;
 use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
 use ruga_material::{CreaseLoad, capped_strain, crease_depth, wrinkling};
 use ruga_stepper::{
-    Coupling, CreaseAnchor, CreaseSpec, FoldSense, Frame, LayerSpec, Modelling, Observer,
-    PoseResult, PoseSpec, Region, Silent, Stack, plan,
+    Coupling, CreaseAnchor, CreaseSpec, FoldSample, FoldSense, Frame, LayerSpec, Modelling,
+    Observer, PoseResult, PoseSpec, Region, Silent, Stack, plan,
 };
 
 /// Thickness of the forehead preset's layer over its bending length, roughly: widths are of this order.
@@ -349,7 +349,63 @@ fn a_crease_takes_up_what_wrinkles_cannot() {
         after.fold.to_degrees()
     );
     let least = 2.0 * (1.0 - (STRAIN - capped)).acos();
+    // Its rest angle is that of the two sides, and runs out towards the ends of the line.
+    let rest = |share: f64| {
+        let near = |sample: &&FoldSample| (sample.share - share).abs();
+        let nearest = after
+            .along
+            .iter()
+            .min_by(|a, b| near(a).total_cmp(&near(b)));
+        nearest.expect("samples along the line").rest
+    };
+    assert!(
+        (rest(0.5) / least - 1.0).abs() < 1e-3,
+        "{} {least}",
+        rest(0.5)
+    );
+    for end in [0.0, 1.0] {
+        assert!(rest(end) < 0.85 * least, "{} {least}", rest(end));
+    }
     assert!(after.fold > before.fold.max(least) + 0.2, "{}", after.fold);
     let deeper = after.depth / before.depth;
     assert!(deeper > 1.15, "{deeper}");
+}
+
+/// What a crease takes up folds a ridge as far to its own side, and a key that is reached from an earlier one, or from
+/// load step to load step, as far as one from rest.
+#[test]
+fn what_a_crease_takes_up_depends_on_no_path() {
+    const STRAIN: f64 = 0.25;
+    let driver = driver();
+    let valley = CreaseSpec {
+        absorbs: true,
+        ..crease(&driver, 0.0)
+    };
+    let ridge = CreaseSpec {
+        is_ridge: true,
+        sense: FoldSense::Mountain,
+        ..valley.clone()
+    };
+    let fold = |spec: &CreaseSpec, keys: &[f64], observer: &mut dyn Observer| {
+        let layer = creased(spec.clone(), Coupling::Elastic);
+        let poses = [PoseSpec {
+            keys: keys.to_vec(),
+            ..pose(&driver, "fold", STRAIN / 1.5)
+        }];
+        let layers = std::slice::from_ref(&layer);
+        let plan = plan(&driver, layers, &poses, &draft(), 1024).expect("a plan");
+        let result = plan.simulate(0, observer).expect("a layer");
+        assert!(result.converged, "{:?}", result.warnings);
+        result.layers[0].creases[0].fold
+    };
+    let direct = fold(&valley, &[1.0], &mut Silent);
+    let others = [
+        -fold(&ridge, &[1.0], &mut Silent),
+        fold(&valley, &[0.8, 1.0], &mut Silent),
+        fold(&valley, &[1.0], &mut Frames(0)),
+    ];
+    println!("fold {direct} rad, of a ridge, after another key and by frames {others:?}");
+    for other in others {
+        assert!((other / direct - 1.0).abs() < 0.05, "{other} {direct}");
+    }
 }

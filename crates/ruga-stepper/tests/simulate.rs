@@ -53,7 +53,10 @@ fn output_edges_are_short_across_the_waves_and_longer_along_them() {
     };
     let result = run(Coupling::Hybrid, &modelling, &mut Silent);
     let asked = result.layers[0].wavelength_predicted / 12.0;
-    let surface = &result.keys[1].layers[0];
+    let [before, surface] = [0, 1].map(|key| &result.keys[key].layers[0]);
+    // The mesh is made anew for the second key, and kept once.
+    assert!(Arc::ptr_eq(&before.faces, &surface.faces));
+    assert!(Arc::ptr_eq(&before.uvs, &surface.uvs) && Arc::ptr_eq(&before.artist, &surface.artist));
     let (mut across, mut along) = (Vec::new(), Vec::new());
     for corners in surface.uvs.iter() {
         let [a, b, c] = corners.map(|uv| patch::SIDE * uv);

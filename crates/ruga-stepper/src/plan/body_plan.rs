@@ -24,7 +24,7 @@ use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
 use crate::validation::{
     check_anchor_depths, check_anchors, check_body_modelling, check_carried, check_grows,
-    check_growth, check_layer, check_map_size, check_pose, check_slits,
+    check_growth, check_layer, check_map_size, check_pose, check_slits, check_unabsorbing,
 };
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
@@ -67,6 +67,7 @@ pub fn plan_body(
     }
     layers.iter().try_for_each(check_layer)?;
     layers.iter().try_for_each(check_anchors)?;
+    layers.iter().try_for_each(check_unabsorbing)?;
     layers.iter().try_for_each(check_slits)?;
     for pose in poses {
         check_pose(driver, pose)?;

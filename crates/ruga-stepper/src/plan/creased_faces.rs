@@ -1,6 +1,7 @@
 //! The faces of the planning surface on which crease lines fold in a pose.
 
 use ruga_blend::BaseSurface;
+use ruga_material::CAP_START;
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace};
 
 use crate::plan::pose_plan::PlannedLayer;
@@ -77,7 +78,10 @@ impl CreasedFaces {
                 true => ACTIVE_FRACTION * crease.onset_ratio(layer.wrinkling),
                 false => f64::INFINITY,
             };
-            let folds = |face: &&FaceId| is_drawn || strains.strain_ratio(**face) > gives_way;
+            let takes_up = |face| crease.absorbs && strains.compression[face] > CAP_START;
+            let folds = |face: &&FaceId| {
+                is_drawn || takes_up(**face) || strains.strain_ratio(**face) > gives_way
+            };
             let folding: Vec<FaceId> = faces.iter().filter(folds).copied().collect();
             let share = folding.len() as f64 / faces.len().max(1) as f64;
             FoldingLine {

@@ -37,6 +37,7 @@ use crate::support::{Interior, Solid};
 use crate::{LayerSpec, StepperError};
 
 use absorption::Bands;
+use creases::CreaseStrengths;
 use output::{Output, Shown, interpolation_to};
 
 pub(crate) use absorption::Absorption;
@@ -93,8 +94,8 @@ pub(crate) struct Layer {
     base: Vec<Vector3<f64>>,
     /// Velocities of the vertices where they have inertia, m/s.
     velocities: Vec<Vector3<f64>>,
-    /// Strength with which every crease is drawn.
-    crease_strengths: Vec<f64>,
+    /// What its creases are drawn to.
+    crease_strengths: CreaseStrengths,
     /// The skin beside creases that take up compression, and what they take up of the present strains.
     bands: Bands,
     absorption: Absorption,
@@ -284,7 +285,7 @@ impl Layer {
                 None => Vec::new(),
             },
             velocities: vec![Vector3::zeros(); positions.len()],
-            crease_strengths: Vec::new(),
+            crease_strengths: CreaseStrengths::default(),
             bands: Bands::new(spec, &skin, &properties),
             absorption: Absorption::default(),
             properties,
@@ -391,7 +392,7 @@ impl Layer {
         (self.pattern(), &self.rows)
     }
 
-    /// Forgets what only solves of the whole take: the sparsity of its matrix, and where its blocks are.
+    /// Gives back the sparsity of its matrix and the places of its blocks, which only solves of the whole take.
     pub(crate) fn release_pattern(&mut self) {
         self.pattern = OnceLock::new();
         self.energy.release_slots();

@@ -122,13 +122,15 @@ impl<'a> StackRun<'a> {
         let Some(unmade) = run.layer.unmade_output() else {
             return Ok(());
         };
+        let often = observer.wants_frames();
         let preparing = &mut Preparing::new(observer, run.index, Phase::Sampling);
         let driver = &self.plan.driver;
         let (whole, measures) = (unmade.whole.clone(), &unmade.measures);
         let (piece, _) =
             preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
         let region = self.region(run.index, piece, preparing)?;
-        run.layer.show_on(driver, (region, unmade), preparing)
+        run.layer
+            .show_on(driver, (region, unmade), often, preparing)
     }
 
     /// Whether the output mesh of layer number `index` has long edges along its wrinkles.

@@ -11,6 +11,10 @@ use crate::skin::local_skin::SkinProperties;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::support::support_surface::SupportSurface;
 
+/// Strain that a face beside a crease feels at most: from 0.42 on the membrane, linear in Green strain, pushes back less
+/// the more it is compressed.
+const MOST_FELT: f64 = 0.4;
+
 /// Halvings of the bracket of a fraction: to nine digits.
 const BISECTIONS: usize = 30;
 
@@ -44,7 +48,8 @@ impl StrainRatios<'_> {
     }
 
     fn capped(&self, face: FaceId) -> [f64; 2] {
-        capped(&self.strains[face], self.absorption.share(face))
+        let strain = &self.strains[face];
+        capped(strain, self.absorption.share(face, strain))
     }
 
     /// The ratio of a face with these capped principal strains, of which a fraction is loaded.
@@ -107,14 +112,15 @@ impl StrainRatios<'_> {
     }
 
     /// Energy that wrinkling is about, J: what a critical compression costs, or what wrinkles save
-    /// of a larger one.
+    /// of a larger one, without what creases take up.
     pub(crate) fn energy_scale(&self) -> f64 {
         let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
         let of_face = |face: FaceId| {
             let wrinkling = &self.properties.faces[face].wrinkling;
             // Without a lower bound the scale, and with it every tolerance, would vanish at the
             // onset.
-            let excess = (self.of_face(face) - 1.0).max(1.0);
+            let strain = capped(&self.strains[face], 0.0);
+            let excess = (self.at(strain, self.fractions[face], face) - 1.0).max(1.0);
             let strain = wrinkling.critical_strain * excess;
             0.5 * wrinkling.membrane_stiffness * strain * strain * areas[face]
         };
@@ -160,22 +166,22 @@ pub(crate) fn relative_to(strain: &FaceStrain, stretch: &Matrix2<f64>) -> FaceSt
     FaceStrain::from_cauchy_green(inverse.transpose() * strain.cauchy_green * inverse)
 }
 
-/// Principal strains, capped but for the share that a crease takes up, of which only a part is loaded: `fraction`
-/// times their Green strain.
-pub(crate) fn applied(strain: &FaceStrain, absorbed: f64, fraction: f64) -> [f64; 2] {
-    capped(strain, absorbed).map(|strain| loaded(strain, fraction))
+/// Principal strains, capped but for a share `taken_up` by a crease, of which only a part is loaded: `fraction` times
+/// their Green strain.
+pub(crate) fn applied(strain: &FaceStrain, taken_up: f64, fraction: f64) -> [f64; 2] {
+    capped(strain, taken_up).map(|strain| loaded(strain, fraction))
 }
 
-/// Principal strains, capped but for the share that a crease takes up.
-fn capped(strain: &FaceStrain, absorbed: f64) -> [f64; 2] {
+/// Principal strains, capped but for a share `taken_up` by a crease.
+fn capped(strain: &FaceStrain, taken_up: f64) -> [f64; 2] {
     // The second strain is not capped, because the rest metric shrinks along the first alone.
-    [felt(strain, absorbed), strain.second]
+    [first_felt(strain, taken_up), strain.second]
 }
 
-/// The larger principal strain, capped but for the share that a crease takes up.
-pub(crate) fn felt(strain: &FaceStrain, absorbed: f64) -> f64 {
+/// The larger principal strain, capped but for a share `taken_up` by a crease.
+pub(crate) fn first_felt(strain: &FaceStrain, taken_up: f64) -> f64 {
     let capped = capped_strain(strain.first);
-    capped + absorbed * (strain.first - capped)
+    (capped + taken_up * (strain.first - capped)).min(MOST_FELT.max(capped))
 }
 
 /// The compression whose Green strain is a fraction of that of `compression`.

@@ -12,7 +12,7 @@ pub(crate) struct NearCrease {
     pub(crate) distance: f64,
     /// Unit vector along the crease at its closest place.
     pub(crate) along: Vector3<f64>,
-    /// About the closest vertex on a crease.
+    /// Vertex on a crease, the closest one up to an edge.
     pub(crate) origin: VertexId,
 }
 
@@ -23,6 +23,9 @@ pub(crate) fn near_creases(
     is_meant: impl Fn(usize) -> bool,
 ) -> Vec<NearCrease> {
     let creases = skin.creases.iter().filter(|crease| is_meant(crease.line));
+    if creases.clone().next().is_none() {
+        return Vec::new();
+    }
     let (mesh, rest) = (&skin.mesh, &skin.rest.positions);
     let mut along = vec![Vector3::zeros(); rest.len()];
     let mut origins: PerVertex<VertexId> = (0..rest.len()).map(VertexId::from_index).collect();

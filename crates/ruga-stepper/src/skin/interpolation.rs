@@ -221,6 +221,21 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use crate::test_drivers::{skin, square};
+
+    #[test]
+    fn prepared_or_not_it_gives_the_same() {
+        let flat = |p: nalgebra::Vector2<f64>| Vector3::new(p.x, p.y, p.x * p.y);
+        let driver = square(&flat, &flat);
+        let [coarse, fine] = [1, 2].map(|levels| skin(&driver, levels, 0.0));
+        let made = || Interpolation::new(&coarse, &fine, &mut || true).expect("nothing ends it");
+        let prepared = made().prepared(&mut || true).expect("nothing ends it");
+        let wave = |p: &Vector3<f64>| p * (3.0 * p.x).sin();
+        let values: Vec<_> = coarse.rest.positions.iter().map(wave).collect();
+        let sets = [values.as_slice(), &coarse.rest.positions];
+        assert!(made().apply(sets) == prepared.apply(sets));
+        assert!(made().prepared(&mut || false).is_none());
+    }
 
     /// A grid of 24 by 24 squares of side 1, each cut in two.
     fn grid() -> (TriMesh, Vec<Vector3<f64>>) {

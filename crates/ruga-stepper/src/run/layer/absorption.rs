@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::FaceStrain;
+use ruga_crease::CreaseEdge;
 use ruga_material::capped_strain;
 use ruga_mesh::{FaceId, Id, PerFace, VertexId, face_areas, triangle_frame};
 
@@ -13,37 +14,40 @@ use crate::skin::crease_neighbours::near_creases;
 use crate::skin::local_skin::SkinProperties;
 use crate::skin::skin_mesh::SkinMesh;
 
-/// Largest angle of a fold that takes up compression (rad): beyond, its sides come close to each other.
+/// Largest angle of a fold that takes up compression (rad): beyond, its sides come close to each other, and nothing
+/// would hold them apart.
 const LARGEST_FOLD: f64 = 100.0 * PI / 180.0;
 
-/// Share of the reach of a crease, one wavelength, from which on it takes up less.
+/// Share of the reach of a crease, one wavelength, up to which it takes up all that it can: a sudden end would be a
+/// step in what the skin feels.
 const FULL: f64 = 0.7;
 
-/// Edges are up to so many times as long as the straight way.
+/// Length of a way along edges over that of the straight one, at most: on regular triangles 1.15.
 const DETOUR: f64 = 1.3;
 
-/// Share of what carries the skin that is left below the largest fold, which parts from it.
+/// Share of what carries the skin that is left below the largest fold, whose sides part from it.
 const LEFT_BELOW: f64 = 0.2;
 
 /// The skin beside those creases of a layer that take up compression.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Bands {
-    /// By the lines that they are closest to.
+#[derive(Debug, Default)]
+pub(super) struct Bands {
+    /// By the lines that they are closest to, and along these.
     faces: Vec<BandFace>,
-    /// The edges of these creases, by their lines.
+    /// The edges of these creases, likewise.
     edges: Vec<BandEdge>,
 }
 
 /// A face within reach of a crease.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct BandFace {
     face: FaceId,
     area: f64,
     /// Across the crease, in the frame of the face at rest.
     across: Vector2<f64>,
-    /// The part of what it is compressed by that the crease may take up: less towards the ends of the crease and of
-    /// its reach.
+    /// The part of what it is compressed by that the crease may take up: less towards the end of its reach.
     part: f64,
+    /// The part that the end of the crease leaves of that.
+    taper: f64,
     /// Rank of the closest edge, its line, and the arc length (m) there.
     edge: usize,
     line: usize,
@@ -51,7 +55,7 @@ struct BandFace {
 }
 
 /// An edge on a crease.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 struct BandEdge {
     /// Rank among all edges on creases.
     rank: usize,
@@ -65,12 +69,13 @@ struct BandEdge {
 }
 
 /// What the creases of a layer take up in one pose.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub(crate) struct Absorption {
-    /// Share of every face's compression beyond the cap that the layer feels all the same; empty for none.
-    shares: Vec<f64>,
+    /// Of every face the way across its crease, in the frame of the face at rest, and the share of compression along it
+    /// beyond the cap that the layer feels all the same; empty for none.
+    faces: Vec<(Vector2<f64>, f64)>,
     /// Share of what carries every face that is left; empty for all.
-    pub(super) carried: Vec<f64>,
+    carried: Vec<f64>,
     /// The folds, by edges on creases; empty for none.
     folds: Vec<AbsorbedFold>,
 }
@@ -79,21 +84,48 @@ pub(crate) struct Absorption {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct AbsorbedFold {
     /// Angle from flat (rad).
-    pub(crate) angle: f64,
+    pub(super) angle: f64,
     /// Depth below the far ends of its sides (m).
-    pub(crate) depth: f64,
+    pub(super) depth: f64,
+}
+
+impl AbsorbedFold {
+    /// A part of the fold.
+    pub(super) fn part(self, share: f64) -> Self {
+        Self {
+            angle: share * self.angle,
+            depth: share * self.depth,
+        }
+    }
+
+    /// The fold a `share` of the way to another one.
+    pub(super) fn towards(self, other: Self, share: f64) -> Self {
+        Self {
+            angle: self.angle + share * (other.angle - self.angle),
+            depth: self.depth + share * (other.depth - self.depth),
+        }
+    }
+
+    /// The angle over that of the largest fold.
+    pub(super) fn share_of_largest(self) -> f64 {
+        self.angle / LARGEST_FOLD
+    }
 }
 
 impl Bands {
     /// The skin within a wavelength of the creases of `layer` that take up compression, each face with the closest.
-    pub(crate) fn new(layer: &LayerSpec, skin: &SkinMesh, properties: &SkinProperties) -> Self {
+    pub(super) fn new(layer: &LayerSpec, skin: &SkinMesh, properties: &SkinProperties) -> Self {
         let absorbs = |line: usize| layer.creases[line].absorbs;
+        if !skin.creases.iter().any(|crease| absorbs(crease.line)) {
+            return Self::default();
+        }
         let (mesh, rest) = (&skin.mesh, &skin.rest.positions);
         let mut edges = Vec::new();
         let mut at_vertex: Vec<Vec<usize>> = vec![Vec::new(); rest.len()];
         let own = skin.creases.iter().enumerate();
         let mut own: Vec<_> = own.filter(|(_, crease)| absorbs(crease.line)).collect();
-        own.sort_by_key(|(_, crease)| crease.line);
+        let middle = |crease: &CreaseEdge| 0.5 * (crease.at[0] + crease.at[1]);
+        own.sort_by(|(_, a), (_, b)| a.line.cmp(&b.line).then(middle(a).total_cmp(&middle(b))));
         for (rank, crease) in own {
             let ends = mesh.edges()[crease.edge].vertices.map(Id::index);
             ends.iter().for_each(|&v| at_vertex[v].push(edges.len()));
@@ -103,7 +135,7 @@ impl Bands {
                 rank,
                 line: crease.line,
                 around: line.is_closed().then(|| line.length()),
-                at: 0.5 * (crease.at[0] + crease.at[1]),
+                at: middle(crease),
                 length: (rest[ends[1]] - rest[ends[0]]).norm(),
                 reach: 0.5 * (waves[0] + waves[1]),
             });
@@ -129,9 +161,8 @@ impl Bands {
                 (distance, edge, at, along)
             });
             let (distance, edge, at, along) = measured.min_by(|a, b| a.0.total_cmp(&b.0))?;
-            let taper = layer.creases[edges[edge].line].taper(at);
-            let outside = (1.0 - distance / edges[edge].reach) / (1.0 - FULL);
-            let part = taper * outside.clamp(0.0, 1.0);
+            let inside = (1.0 - distance / edges[edge].reach) / (1.0 - FULL);
+            let part = inside.clamp(0.0, 1.0);
             let [x, y] = triangle_frame(&places).map(|axis| axis.dot(&along));
             let across = Vector2::new(-y, x).try_normalize(0.0)?;
             (part > 0.0).then_some(BandFace {
@@ -139,23 +170,23 @@ impl Bands {
                 area: areas[face],
                 across,
                 part,
+                taper: layer.creases[edges[edge].line].taper(at),
                 edge,
                 line: edges[edge].line,
                 at,
             })
         };
         let mut faces: Vec<_> = mesh.faces().iter().filter_map(band).collect();
-        faces.sort_by_key(|face| face.line);
+        faces.sort_by(|a, b| a.line.cmp(&b.line).then(a.at.total_cmp(&b.at)));
         Self { faces, edges }
     }
 
     /// What the creases take up of these `strains`; of so many edges on creases.
-    pub(crate) fn absorption(&self, strains: &PerFace<FaceStrain>, edges: usize) -> Absorption {
+    pub(super) fn absorption(&self, strains: &PerFace<FaceStrain>, edges: usize) -> Absorption {
         // What each face is compressed by across the crease, beyond the cap.
         let excess = |face: &BandFace| {
             let strain = &strains[face.face];
-            let along = strain.direction.dot(&face.across).powi(2);
-            along * (strain.first - capped_strain(strain.first)).max(0.0)
+            along(strain, &face.across) * (strain.first - capped_strain(strain.first)).max(0.0)
         };
         let excesses: Vec<f64> = self.faces.iter().map(excess).collect();
         if excesses.iter().all(|excess| *excess == 0.0) {
@@ -175,7 +206,7 @@ impl Bands {
                 (1.0 - way / edge.reach).max(0.0)
             };
             let (mut lost, mut area) = (0.0, 0.0);
-            let own = of_line(&self.faces, edge.line, |face| face.line);
+            let own = edge.reached(&self.faces, |face| (face.line, face.at));
             for (face, excess) in self.faces[own.clone()].iter().zip(&excesses[own]) {
                 let part = near(face.at) * face.area * face.part;
                 lost += part * excess;
@@ -184,54 +215,78 @@ impl Bands {
             if lost <= 0.0 {
                 continue;
             }
-            let own = of_line(&self.edges, edge.line, |edge| edge.line);
+            let own = edge.reached(&self.edges, |edge| (edge.line, edge.at));
             let lengths = self.edges[own].iter();
             let length: f64 = lengths.map(|other| near(other.at) * other.length).sum();
             // Two sides, each as wide as half of the band, that turn until the band is as much narrower.
             let asked = lost / area;
             let half = (1.0 - asked.min(most)).acos();
-            folds[edge.rank] = AbsorbedFold {
+            let fold = AbsorbedFold {
                 angle: 2.0 * half,
                 depth: 0.5 * area / length * half.sin(),
             };
-            *taken = [(most / asked).min(1.0), 2.0 * half / LARGEST_FOLD];
+            folds[edge.rank] = fold;
+            *taken = [(most / asked).min(1.0), fold.share_of_largest()];
         }
-        let mut shares = vec![0.0; strains.len()];
+        let mut faces = vec![(Vector2::zeros(), 0.0); strains.len()];
         let mut carried = vec![1.0; strains.len()];
         for face in &self.faces {
-            let along = strains[face.face].direction.dot(&face.across).powi(2);
             let [share, fold] = taken[face.edge];
-            shares[face.face.index()] = face.part * along * share;
-            carried[face.face.index()] = 1.0 - face.part * fold * (1.0 - LEFT_BELOW);
+            let part = face.part * face.taper;
+            faces[face.face.index()] = (face.across, part * share);
+            carried[face.face.index()] = 1.0 - part * fold * (1.0 - LEFT_BELOW);
         }
         Absorption {
-            shares,
+            faces,
             carried,
             folds,
         }
     }
 }
 
-/// Range of the elements, sorted by lines, that belong to one.
-fn of_line<T>(sorted: &[T], line: usize, line_of: impl Fn(&T) -> usize) -> Range<usize> {
-    let start = sorted.partition_point(|element| line_of(element) < line);
-    let count = sorted[start..].partition_point(|element| line_of(element) == line);
-    start..start + count
+impl BandEdge {
+    /// Range of the elements, sorted by line and arc length, that may be within reach along the line.
+    fn reached<T>(&self, sorted: &[T], place: impl Fn(&T) -> (usize, f64)) -> Range<usize> {
+        let (low, high) = match self.around {
+            None => (self.at - self.reach, self.at + self.reach),
+            Some(_) => (f64::NEG_INFINITY, f64::INFINITY),
+        };
+        let before = |element: &T, line: usize, at: f64| {
+            let place = place(element);
+            place.0 < line || place.0 == line && place.1 < at
+        };
+        let start = sorted.partition_point(|element| before(element, self.line, low));
+        let end = sorted.partition_point(|element| {
+            before(element, self.line, high) || place(element) == (self.line, high)
+        });
+        start..end
+    }
+}
+
+/// Share of a strain's compression that is along a direction in the frame at rest.
+fn along(strain: &FaceStrain, direction: &Vector2<f64>) -> f64 {
+    strain.direction.dot(direction).powi(2)
 }
 
 impl Absorption {
-    /// Share of a face's compression beyond the cap that the layer feels all the same.
-    pub(crate) fn share(&self, face: FaceId) -> f64 {
-        self.shares.get(face.index()).copied().unwrap_or(0.0)
+    /// Share of a `strain` of a face beyond the cap that the layer feels all the same.
+    pub(crate) fn share(&self, face: FaceId, strain: &FaceStrain) -> f64 {
+        let of_face = self.faces.get(face.index());
+        of_face.map_or(0.0, |(across, share)| share * along(strain, across))
+    }
+
+    /// Share of what carries a face that is left.
+    pub(super) fn carried(&self, face: usize) -> f64 {
+        self.carried.get(face).copied().unwrap_or(1.0)
+    }
+
+    /// Number of edges on creases that there are folds of.
+    pub(super) fn edges(&self) -> usize {
+        self.folds.len()
     }
 
     /// Fold of an edge by its rank among those on creases.
-    pub(crate) fn fold(&self, rank: usize) -> AbsorbedFold {
+    pub(super) fn fold(&self, rank: usize) -> AbsorbedFold {
         self.folds.get(rank).copied().unwrap_or_default()
-    }
-
-    /// Whether there is anything to take up.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.folds.is_empty()
     }
 }

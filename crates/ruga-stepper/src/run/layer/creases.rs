@@ -7,6 +7,7 @@ use ruga_material::Wrinkling;
 use ruga_mesh::{EdgeId, Id};
 use ruga_shell::{Crease, LineAnchor};
 
+use super::absorption::AbsorbedFold;
 use super::{Layer, layer_parameters};
 use crate::skin::fading::{distances_from, faded};
 use crate::skin::quiet::VertexDemand;
@@ -24,48 +25,90 @@ fn held(strength: f64) -> f64 {
     faded(strength, HELD)
 }
 
+/// What the creases of a layer are drawn to.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct CreaseStrengths {
+    /// Strength of every line.
+    lines: Vec<f64>,
+    /// Share of what they keep of earlier folds.
+    kept: f64,
+    /// Share of what they take up of the compression, once the surface below is in its place.
+    taken_up: f64,
+    /// What they take up now, by edges on creases; empty for none.
+    folds: Vec<AbsorbedFold>,
+}
+
+impl CreaseStrengths {
+    /// Strengths a `share` of the way to others.
+    fn towards(&self, other: &Self, share: f64) -> Self {
+        let between = |from: f64, to: f64| from + (to - from) * share;
+        let lines = self.lines.iter().zip(&other.lines);
+        let fold = |rank| self.fold(rank).towards(other.fold(rank), share);
+        Self {
+            lines: lines.map(|(from, to)| between(*from, *to)).collect(),
+            kept: between(self.kept, other.kept),
+            taken_up: between(self.taken_up, other.taken_up),
+            folds: (0..self.folds.len().max(other.folds.len()))
+                .map(fold)
+                .collect(),
+        }
+    }
+
+    fn fold(&self, rank: usize) -> AbsorbedFold {
+        self.folds.get(rank).copied().unwrap_or_default()
+    }
+}
+
 impl Layer {
     /// Draws the creases as a pose of these weights in full does at a `load` of it.
     ///
-    /// Of what creases take up of the compression it draws the share `absorbed`.
+    /// Of what creases take up of the compression it draws the share `taken_up`.
     pub(crate) fn draw_creases(
         &mut self,
         weights: &Weights,
-        (load, absorbed): (f64, f64),
+        (load, taken_up): (f64, f64),
     ) -> Result<(), StepperError> {
         let creases = self.spec.creases.iter();
-        let strengths = creases.map(|crease| crease.strength(weights, load));
-        // What is kept of earlier folds is there in every pose.
-        let strengths: Vec<f64> = strengths.chain([1.0, absorbed]).collect();
-        self.set_crease_strengths(strengths)
+        self.set_crease_strengths(CreaseStrengths {
+            lines: creases
+                .map(|crease| crease.strength(weights, load))
+                .collect(),
+            // What is kept of earlier folds is there in every pose.
+            kept: 1.0,
+            taken_up,
+            folds: self.taken_up_folds(taken_up),
+        })
     }
 
     /// Strengths of creases that are not drawn, and keep nothing.
-    pub(super) fn undrawn(&self) -> Vec<f64> {
-        vec![0.0; self.spec.creases.len() + 2]
+    pub(super) fn undrawn(&self) -> CreaseStrengths {
+        CreaseStrengths {
+            lines: vec![0.0; self.spec.creases.len()],
+            ..CreaseStrengths::default()
+        }
     }
 
-    /// Strength with which every crease is drawn, then the shares of what they keep and of what they take up.
-    pub(crate) fn crease_strengths(&self) -> &[f64] {
+    /// What the creases are drawn to.
+    pub(crate) fn crease_strengths(&self) -> &CreaseStrengths {
         &self.crease_strengths
     }
 
-    /// Draws every crease a `share` of the way from a strength it had `before` to its present one.
+    /// Draws every crease a `share` of the way from what it was drawn to `before` to what it is drawn to now.
     pub(crate) fn draw_part_of_creases(
         &mut self,
-        before: &[f64],
+        before: &CreaseStrengths,
         share: f64,
     ) -> Result<(), StepperError> {
         if share == 1.0 {
             return Ok(());
         }
-        let pairs = before.iter().zip(&self.crease_strengths);
-        let between = pairs.map(|(from, to)| from + (to - from) * share);
-        let strengths = between.collect();
-        self.set_crease_strengths(strengths)
+        self.set_crease_strengths(before.towards(&self.crease_strengths, share))
     }
 
-    pub(super) fn set_crease_strengths(&mut self, strengths: Vec<f64>) -> Result<(), StepperError> {
+    pub(super) fn set_crease_strengths(
+        &mut self,
+        strengths: CreaseStrengths,
+    ) -> Result<(), StepperError> {
         if self.skin.creases.is_empty() || self.crease_strengths == strengths {
             return Ok(());
         }
@@ -73,59 +116,76 @@ impl Layer {
         self.fold_creases()
     }
 
-    /// Finds what creases take up of the present strains.
+    /// A share of what the creases take up of the present strains, by edges on them.
+    fn taken_up_folds(&self, share: f64) -> Vec<AbsorbedFold> {
+        let edges = 0..self.absorption.edges();
+        edges
+            .map(|rank| self.absorption.fold(rank).part(share))
+            .collect()
+    }
+
+    /// Lets the creases take up what they can of the present strains.
     pub(super) fn absorb(&mut self) -> Result<(), StepperError> {
         let absorption = self
             .bands
             .absorption(&self.strains, self.skin.creases.len());
-        if absorption == self.absorption {
-            return Ok(());
+        if absorption != self.absorption {
+            let held = self.spec.coupling.has_foundation();
+            let mut faces = layer_parameters(&self.properties, held).faces;
+            for (number, face) in faces.iter_mut().enumerate() {
+                let left = absorption.carried(number);
+                face.normal_stiffness *= left;
+                face.gradient_stiffness *= left;
+            }
+            let outcome = self.energy.set_face_parameters(&faces);
+            outcome.map_err(|source| self.shell_error(source))?;
+            self.absorption = absorption;
         }
-        let mut faces =
-            layer_parameters(&self.properties, self.spec.coupling.has_foundation()).faces;
-        for (face, left) in faces.iter_mut().zip(&absorption.carried) {
-            face.normal_stiffness *= left;
-            face.gradient_stiffness *= left;
+        self.set_crease_strengths(CreaseStrengths {
+            folds: self.taken_up_folds(self.crease_strengths.taken_up),
+            ..self.crease_strengths.clone()
+        })
+    }
+
+    /// The crease on an edge on one, by its rank among these, drawn as now.
+    fn drawn_crease(&self, rank: usize) -> Crease {
+        let (on_edge, strengths) = (&self.skin.creases[rank], &self.crease_strengths);
+        let spec = &self.spec.creases[on_edge.line];
+        let modulus = self.beside(on_edge.edge, |wave| wave.bending_stiffness);
+        let drawn = (strengths.lines[on_edge.line], strengths.kept);
+        let crease = spec.on_edge(on_edge.at, drawn, modulus);
+        let taper = spec.mean_taper(on_edge.at);
+        let least = taper * strengths.fold(rank).angle;
+        Crease {
+            rest_angle: spec.at_least(crease.rest_angle, least),
+            ..crease
         }
-        let outcome = self.energy.set_face_parameters(&faces);
-        outcome.map_err(|source| self.shell_error(source))?;
-        self.absorption = absorption;
-        self.fold_creases()
     }
 
     /// Gives the edges on creases the angles and depths of the present strengths.
     fn fold_creases(&mut self) -> Result<(), StepperError> {
-        let strengths = &self.crease_strengths;
-        let [remembered, absorbed] = [0, 1].map(|i| strengths[self.spec.creases.len() + i]);
         let mut creases = Vec::new();
         let mut anchors = Vec::new();
         for (rank, on_edge) in self.skin.creases.iter().enumerate() {
-            let fold = self.absorption.fold(rank);
-            let (spec, strength) = (&self.spec.creases[on_edge.line], strengths[on_edge.line]);
-            let tapers = on_edge.at.map(|at| spec.taper(at));
-            let taper = 0.5 * (tapers[0] + tapers[1]);
-            let modulus = self.beside(on_edge.edge, |wave| wave.bending_stiffness);
-            let drawn = (strength, remembered);
-            let drawn = spec.on_edge(on_edge.at, drawn, modulus);
-            let crease = Crease {
-                rest_angle: spec.at_least(drawn.rest_angle, absorbed * fold.angle),
-                ..drawn
-            };
-            creases.push((on_edge.edge, crease));
+            let spec = &self.spec.creases[on_edge.line];
+            let strength = self.crease_strengths.lines[on_edge.line];
+            let fold = self.crease_strengths.fold(rank);
+            creases.push((on_edge.edge, self.drawn_crease(rank)));
             if let Some(anchor) = spec.anchor {
                 let unit = |wave: &Wrinkling| wave.normal_stiffness / wave.wave_number;
+                let depth = |taper: f64| {
+                    let drawn = spec.anchor_depth(anchor, taper * strength);
+                    spec.at_least(drawn, taper * fold.depth)
+                };
                 anchors.push(LineAnchor {
                     edge: on_edge.edge,
                     // It fades with the crease, or it would hold the skin down beyond its tips; and a line
                     // that is not drawn is free, or wrinkles of other poses could not cross it.
-                    stiffness: taper
-                        * held(strength)
+                    stiffness: spec.mean_taper(on_edge.at)
+                        * held(strength.max(fold.share_of_largest()))
                         * anchor.stiffness
                         * self.beside(on_edge.edge, unit),
-                    depths: tapers.map(|taper| {
-                        let drawn = spec.anchor_depth(anchor, taper * strength);
-                        spec.at_least(drawn, absorbed * fold.depth)
-                    }),
+                    depths: on_edge.at.map(|at| depth(spec.taper(at))),
                 });
             }
         }
@@ -152,9 +212,13 @@ impl Layer {
 
     /// Whether the present strengths draw the crease number `line`.
     fn is_drawn(&self, line: usize) -> bool {
-        let strength = self.crease_strengths.get(line);
-        let takes_up = self.spec.creases[line].absorbs && !self.absorption.is_empty();
-        takes_up || strength.is_some_and(|&strength| self.spec.creases[line].is_drawn(strength))
+        let strengths = &self.crease_strengths;
+        let mut folds = self.skin.creases.iter().zip(&strengths.folds);
+        folds.any(|(crease, fold)| crease.line == line && fold.angle > 0.0)
+            || strengths
+                .lines
+                .get(line)
+                .is_some_and(|&strength| self.spec.creases[line].is_drawn(strength))
     }
 
     /// Raises the demand of the vertices that a drawn crease or a slit reaches to at least `least`: relief shows
@@ -204,10 +268,10 @@ impl Layer {
         let heights = self.heights();
         let mut reports: Vec<CreaseReport> = Vec::new();
         for (line, spec) in self.spec.creases.iter().enumerate() {
-            let own = self.skin.creases.iter().zip(&states);
-            let own = own.filter(|(crease, _)| crease.line == line);
+            let own = self.skin.creases.iter().zip(&states).enumerate();
+            let own = own.filter(|(_, (crease, _))| crease.line == line);
             let mut report = CreaseReport::of(spec);
-            for (crease, state) in own {
+            for (rank, (crease, state)) in own {
                 let ends = self.skin.mesh.edges()[crease.edge].vertices.map(Id::index);
                 let [a, b] = ends.map(|v| self.skin.rest.positions[v]);
                 let depth = ends.map(|v| -heights[v]);
@@ -218,12 +282,10 @@ impl Layer {
                 );
                 let middle = 0.5 * (crease.at[0] + crease.at[1]);
                 let taper = spec.taper(middle);
-                let modulus = self.beside(crease.edge, |wave| wave.bending_stiffness);
-                let drawn = (self.crease_strengths[line], 1.0);
                 report.along.push(FoldSample {
                     share: spec.share(middle),
                     fold: state.angle,
-                    rest: spec.on_edge(crease.at, drawn, modulus).rest_angle,
+                    rest: self.drawn_crease(rank).rest_angle,
                     softness: spec.law.softness(taper),
                 });
             }

@@ -43,9 +43,10 @@ impl Layer {
         energy: &EnergyParts,
         area: f64,
     ) -> FaceState {
+        let strain = &self.strains[face];
         let [first, second] = applied(
-            &self.strains[face],
-            self.absorption.share(face),
+            strain,
+            self.absorption.share(face, strain),
             self.fractions[face],
         );
         let critical_strain = local.wrinkling.critical_strain;

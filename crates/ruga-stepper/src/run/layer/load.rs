@@ -6,9 +6,12 @@ use ruga_material::CAP_START;
 use ruga_mesh::{FaceId, Id, PerFace, VertexId, face_areas, vertex_means};
 use ruga_shell::ShellError;
 
+use super::creases::CreaseStrengths;
 use super::{Layer, laid_on};
 use crate::StepperError;
-use crate::run::strain_ratio::{applied, driven_strains, felt, green_strain, relative_to_growth};
+use crate::run::strain_ratio::{
+    applied, driven_strains, first_felt, green_strain, relative_to_growth,
+};
 use crate::skin::interpolation::Interpolation;
 use crate::skin::relief::turn_between;
 use crate::support::motion::Inertia;
@@ -25,7 +28,7 @@ pub(crate) struct LayerState {
     velocities: Vec<Vector3<f64>>,
     support: SupportSurface,
     fractions: PerFace<f64>,
-    crease_strengths: Vec<f64>,
+    crease_strengths: CreaseStrengths,
     solid: Option<SolidState>,
 }
 
@@ -165,7 +168,7 @@ impl Layer {
         let along = strain.direction * strain.direction.transpose();
         // The metric shrinks along the compression only: across it the skin is stretched as the
         // pose asks for.
-        let ratio = metric_ratio(strain, self.absorption.share(face));
+        let ratio = metric_ratio(strain, self.absorption.share(face, strain));
         let stretch = Matrix2::identity() + along * (ratio - 1.0);
         match &self.support.transfer {
             Some(transfer) => stretch * transfer[face.index()],
@@ -175,7 +178,7 @@ impl Layer {
 
     fn metric_ratios(&self) -> impl Iterator<Item = f64> + '_ {
         let driven = self.driven_strains().iter();
-        driven.map(|(face, strain)| metric_ratio(strain, self.absorption.share(face)))
+        driven.map(|(face, strain)| metric_ratio(strain, self.absorption.share(face, strain)))
     }
 
     /// Fraction of the faces that are compressed beyond 15 %, where the layer feels no more.
@@ -185,11 +188,13 @@ impl Layer {
         capped as f64 / self.strains.len().max(1) as f64
     }
 
-    /// Area of the skin (m²) by which the surface below compresses it beyond what the layer feels.
+    /// Area of the skin (m²) by which the surface below and its growth compress it beyond what the layer feels.
     pub(crate) fn left_out(&self) -> f64 {
         let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
-        let ratios = self.metric_ratios().zip(areas.as_slice());
-        ratios.map(|(ratio, area)| (1.0 - ratio) * area).sum()
+        let of_face = |(face, strain): (FaceId, &FaceStrain)| {
+            (1.0 - metric_ratio(strain, self.absorption.share(face, strain))) * areas[face]
+        };
+        self.strains.iter().map(of_face).sum::<f64>().max(0.0)
     }
 
     /// Lag of the energy behind the support surface as a solve has left that: the largest angle (rad) by
@@ -214,11 +219,11 @@ impl Layer {
         let natural: Vec<_> = strains
             .map(|(face, strain)| {
                 let critical = self.properties.faces[face].wrinkling.critical_strain;
-                let share = self.absorption.share(face);
-                let effective = wanted(critical, applied(strain, share, self.fractions[face]));
-                // What the layer is not to feel, and what it has grown, is strain without stress.
                 let whole = &driven[face];
-                green_strain(whole, applied(whole, share, 1.0)) - green_strain(strain, effective)
+                let [own, driven] = [strain, whole].map(|s| self.absorption.share(face, s));
+                let effective = wanted(critical, applied(strain, own, self.fractions[face]));
+                // What the layer is not to feel, and what it has grown, is strain without stress.
+                green_strain(whole, applied(whole, driven, 1.0)) - green_strain(strain, effective)
             })
             .collect();
         let outcome = self.energy.set_natural_strains(&natural);
@@ -355,7 +360,7 @@ impl Layer {
 }
 
 /// Factor by which a face's rest length shrinks along its compression, of which a crease takes up a share.
-fn metric_ratio(strain: &FaceStrain, absorbed: f64) -> f64 {
-    let ratio = (1.0 - strain.first) / (1.0 - felt(strain, absorbed));
+fn metric_ratio(strain: &FaceStrain, taken_up: f64) -> f64 {
+    let ratio = (1.0 - strain.first) / (1.0 - first_felt(strain, taken_up));
     ratio.max(LEAST_STRETCH)
 }

@@ -43,7 +43,7 @@ pub(super) struct Shown {
     pub(super) weights: ReliefWeights,
     /// Takes results to it; `None` where it is the layer's own mesh.
     pub(super) interpolation: Option<Interpolation>,
-    /// What it was made of, where it can be made again.
+    /// Pieces to make it of anew; `None` where it cannot be.
     pub(super) unmade: Option<Arc<Unmade>>,
 }
 
@@ -64,16 +64,20 @@ impl Layer {
         }
     }
 
-    /// Shows the layer, whose mesh is a fitted one, on `region` from now on, which was made of `unmade`.
+    /// Shows the layer, whose mesh is a fitted one, on `region` from now on, which was made of `unmade`: `often`, or
+    /// only in its present shape.
     pub(crate) fn show_on(
         &mut self,
         driver: &Driver,
         (region, unmade): (RegionMesh, Arc<Unmade>),
+        often: bool,
         preparing: &mut Preparing<'_>,
     ) -> Result<(), Halt> {
-        let skin = &self.skin;
-        let interpolation =
-            preparing.while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))?;
+        let interpolation = match often {
+            true => interpolation_to(&self.skin, &region, preparing)?,
+            false => preparing
+                .while_wanted(|goes_on| Interpolation::new(&self.skin, &region.skin, goes_on))?,
+        };
         let weights = ReliefWeights::new(driver, &self.spec, &self.wrinkling, &region.skin)?;
         self.output = Output::Made(Box::new(Shown {
             region,
@@ -125,7 +129,7 @@ impl Layer {
     }
 }
 
-/// Transfer of values at the vertices of `skin` to those of `region`, which is there for good.
+/// Transfer of values at the vertices of `skin` to those of `region`, for many of them.
 pub(super) fn interpolation_to(
     skin: &SkinMesh,
     region: &RegionMesh,

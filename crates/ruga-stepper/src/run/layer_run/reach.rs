@@ -128,7 +128,7 @@ impl<'a> LayerRun<'a> {
     ) -> Result<Ending, StepperError> {
         let pose_fraction = loading.pose_fraction(load);
         let mut kept = self.layer.state();
-        let drawn = self.layer.crease_strengths().to_vec();
+        let drawn = self.layer.crease_strengths().clone();
         if self.layer.strain_ratio() < 1.0 {
             // The first pattern is chosen with care, and not in patches that are left from another key.
             self.relaxation = 0.0;

@@ -205,14 +205,15 @@ fn creases(drawn: &[Drawn]) -> String {
             .map(|shape| format!("{shape} = 1.0"))
             .collect();
         let drive = match shapes.is_empty() {
-            true => String::new(),
+            // The hand's are where a pose presses skin together by a third and more.
+            true => "absorb = true\n".to_owned(),
             false => format!(
                 "drive = \"weights\"\nweights = {{ {} }}\n",
                 weights.join(", ")
             ),
         };
         format!(
-            "[[creases]]\nname = \"{preset}-{number}\"\npreset = \"{preset}\"\nabsorb = true\nuv = {uv:?}\n{drive}\n"
+            "[[creases]]\nname = \"{preset}-{number}\"\npreset = \"{preset}\"\nuv = {uv:?}\n{drive}\n"
         )
     };
     drawn.iter().enumerate().map(crease).collect()
