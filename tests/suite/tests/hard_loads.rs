@@ -50,7 +50,7 @@ fn forty_per_cent_turn_no_triangle_over() {
 
 #[test]
 fn the_planner_warns_of_deep_folds_and_inverted_poses() {
-    let deep = "where real skin folds, doubles its wrinkles or creases";
+    let deep = "where real skin folds or doubles its wrinkles";
     assert!(!is_told(0.145, deep) && is_told(0.155, deep));
     assert!(is_told(0.4, "compressed by more than 15 %"));
     assert!(is_told(1.5, "fold over"));
