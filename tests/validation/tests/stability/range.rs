@@ -148,7 +148,7 @@ fn t16_warns_from_fifteen_per_cent_on() {
     let warnings = |compression| planned(&patch(compression), &skin(), &draft()).warnings;
     assert_eq!(warnings(0.145), Vec::<String>::new());
     let late = warnings(0.155);
-    let about = "where real skin folds, doubles its wrinkles or creases";
+    let about = "where real skin folds or doubles its wrinkles";
     assert!(late.iter().any(|w| w.contains(about)), "{late:?}");
     table_line(
         "T16 period doubling and creases",
