@@ -165,12 +165,14 @@ impl<'a> StackRun<'a> {
         let attachment = self.plan.stacking.attachments[run.index];
         let region = &layer.region().skin;
         let on = (driver.as_ref(), support);
+        // First, because it takes most memory while it is found.
+        let on_region = layer.on_region();
         let surface = support_surface(on, region, attachment, lower).posed;
         // Maps show driver or body as they are.
         let shown = (!lower.is_empty())
             .then(|| support_surface(on, region, attachment, &as_shown(lower)).posed);
         let below = (&surface, shown.as_ref().unwrap_or(&surface));
-        let mut surfaces = layer.snapshots(on, below, attachment.offset);
+        let mut surfaces = layer.snapshots(on, on_region, below, attachment.offset);
         if observer.wants_face_states() {
             for (surface, states) in surfaces.iter_mut().zip(layer.face_states()) {
                 surface.face_states = Some(states);

@@ -14,12 +14,17 @@ use crate::skin::upper_shell::UpperShell;
 use crate::support::Support;
 use crate::{ComputedMesh, LayerSurface};
 
+/// Deviations (m) and demands at the vertices of an output mesh.
+pub(crate) type OnRegion = (Vec<Vector3<f64>>, Vec<VertexDemand>);
+
 impl Layer {
-    /// The layer as others see it, and one that moves together with it: over `real`, which is what lies below the
-    /// region's own mesh, or as maps show that, over `shown`, and the `support` of all layers.
+    /// The layer as others see it, and one that moves together with it: with what is known `on_region`, over `real`,
+    /// which is what lies below the region's own mesh, or as maps show that, over `shown`, and the `support` of all
+    /// layers.
     pub(crate) fn snapshots(
         &self,
         (driver, support): (&Driver, &dyn Support),
+        (deviations, demands): OnRegion,
         (real, shown): (&PosedSurface, &PosedSurface),
         offset: f64,
     ) -> Vec<LayerSurface> {
@@ -27,7 +32,6 @@ impl Layer {
         let computed = ComputedMesh::new(driver, &self.skin, own);
         let region = self.region();
         let surface = support.pose(&region.skin);
-        let (deviations, demands) = self.on_region();
         // The support surface is known on the output mesh itself. Only the deviation from it is
         // carried over from the layer's coarser mesh, so that smooth parts of the region stay
         // exact.
@@ -105,8 +109,8 @@ impl Layer {
         shown_weights(&output.weights, &output.region.skin, (demands, surface))
     }
 
-    /// Deviations and demands at the vertices of the output mesh.
-    fn on_region(&self) -> (Vec<Vector3<f64>>, Vec<VertexDemand>) {
+    /// What is known of the layer at the vertices of the output mesh.
+    pub(crate) fn on_region(&self) -> OnRegion {
         let (deviations, demands) = (self.deviations(), self.demands());
         let Some(interpolation) = self.interpolation() else {
             return (deviations, demands);
