@@ -402,15 +402,9 @@ fn scene_creases_belong_to_the_lowest_layer() {
     let words = "creases[0].layer | `top`, which lies on another layer | `skin`";
     site.refuses(&two("layer = \"top\""), words);
     assert_eq!(site.read(&two("")).unwrap().layers[0].creases.len(), 1);
-    let joint = format!("stack = \"joint\"\n{LAYER}{}", two(""));
-    let joint = format!(
-        "version = 1\n{}",
-        joint.replacen(
-            "[substrate]",
-            "[driver]\nmesh = \"skin.gltf\"\n[substrate]",
-            1
-        )
-    );
+    let driver = "[driver]\nmesh = \"skin.gltf\"\n[substrate]";
+    let layer = LAYER.replacen("[substrate]", driver, 1);
+    let joint = format!("version = 1\nstack = \"joint\"\n{layer}{}", two(""));
     let words = "stack | found \"joint\" | \"nominal\" or \"composite\"";
     says(Scene::read(&site.0.file("scene.toml", joint)), words);
     let body = |more: &str| crease("line", more) + "[interior]\ncells = 4\nfollow = 1e6\n";
