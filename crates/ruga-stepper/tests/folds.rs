@@ -418,3 +418,74 @@ fn what_a_crease_takes_up_depends_on_no_path() {
         assert!((other / direct - 1.0).abs() < 0.05, "{other} {direct}");
     }
 }
+
+/// Skin belongs to the closest of several creases: two side by side take up what one with a band as much wider does, two
+/// that cross less than twice what one does, and a ring has no ends.
+#[test]
+fn creases_that_meet_take_up_no_skin_twice() {
+    const STRAIN: f64 = 0.3;
+    let driver = driver();
+    let traced = |points: Vec<Vector2<f64>>, is_closed: bool| CreaseSpec {
+        line: LineTracer::new(driver.topology(), driver.rest())
+            .with_uvs(driver.uvs())
+            .trace(&LineInput::Uv {
+                points,
+                is_closed,
+                corners: Corners::Round,
+            })
+            .expect("a line on the patch"),
+        absorbs: true,
+        ..crease(&driver, 0.0)
+    };
+    let across = |x: f64| traced(vec![Vector2::new(x, 0.9), Vector2::new(x, 0.1)], false);
+    let aslant = |shift: f64| {
+        let ends = [0.5 - shift, 0.5 + shift];
+        traced(
+            vec![Vector2::new(ends[0], 0.9), Vector2::new(ends[1], 0.1)],
+            false,
+        )
+    };
+    let around = |i: usize| {
+        let angle = std::f64::consts::TAU * i as f64 / 12.0;
+        Vector2::new(0.5 + 0.25 * angle.cos(), 0.5 + 0.25 * angle.sin())
+    };
+    let ring = traced((0..12).map(around).collect(), true);
+    let modelling = Modelling {
+        region: Region::All,
+        ..draft()
+    };
+    let left_out = |creases: Vec<CreaseSpec>| {
+        let layer = LayerSpec {
+            creases,
+            ..skin("forehead-furrow", Coupling::Elastic)
+        };
+        let result = shortened(&layer, STRAIN, &modelling);
+        for found in &result.layers[0].creases {
+            assert!(found.fold.is_finite() && found.fold > 0.0, "{}", found.fold);
+        }
+        result.layers[0].left_out
+    };
+    let none = left_out(Vec::new());
+    let taken = [
+        vec![across(0.5)],
+        vec![across(0.475), across(0.525)],
+        vec![aslant(0.15), aslant(-0.15)],
+        vec![ring],
+    ]
+    .map(|creases| none - left_out(creases));
+    println!("one, two side by side, two that cross, a ring: {taken:?} m²");
+    let [one, beside, crossing, ring] = taken;
+    let layer = skin("forehead-furrow", Coupling::Elastic);
+    let wave = wrinkling(&layer.material, &layer.substrate, layer.model).expect("a preset");
+    // Bands reach as far, but what lies between the lines is taken in full.
+    let wider = 1.0 + 0.05 * SIDE / (2.0 * 0.85 * wave.wavelength);
+    assert!(
+        (beside / one / wider - 1.0).abs() < 0.05,
+        "{beside} {one} {wider}"
+    );
+    assert!(
+        crossing > 1.2 * one && crossing < 1.9 * one,
+        "{crossing} {one}"
+    );
+    assert!(ring > 0.5 * one && ring < none, "{ring} {none}");
+}
