@@ -57,6 +57,30 @@ pub fn crease_depth(crease: &CreaseLoad) -> Option<f64> {
     (resistance > 0.0).then_some(depth)
 }
 
+/// Reduced stiffness beyond which a line is as good as none.
+const RIGID: f64 = 1e6;
+
+/// Force with which the springs of a crease pull its line down, over `K0 l²`: per bending length of it `a (d - δ)/l`, of
+/// the depth of [`crease_depth`] and, from the load on at which the line gives way by itself, of that at this load.
+///
+/// The foundation carries it, so that the mean height of the film beside the line is as much below zero as that.
+///
+/// # Validity
+/// As [`crease_depth`].
+pub fn anchor_pull(crease: &CreaseLoad) -> f64 {
+    if crease.anchor <= 0.0 {
+        return 0.0;
+    }
+    let stiffness = crease.stiffness.min(RIGID);
+    let below_onset = CreaseLoad {
+        load: crease.load.min(crease_onset(stiffness)),
+        stiffness,
+        ..*crease
+    };
+    let depth = crease_depth(&below_onset).unwrap_or(crease.anchor_depth);
+    crease.anchor * (crease.anchor_depth - depth)
+}
+
 /// Height at a `distance` from a crease of unit depth that is not anchored, both over the bending length
 /// `l = 1/k_c`, under the reduced load `load`.
 ///

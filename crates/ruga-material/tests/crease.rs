@@ -3,7 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use ruga_material::{
-    CreaseLoad, WavelengthModel, crease_depth, crease_onset, crease_profile, preset, wrinkling,
+    CreaseLoad, WavelengthModel, anchor_pull, crease_depth, crease_onset, crease_profile, preset,
+    wrinkling,
 };
 
 #[test]
@@ -100,4 +101,40 @@ fn the_profile_is_in_equilibrium() {
         assert!(w(1e4).abs() < 1e-12);
     }
     assert_eq!(crease_profile(1.0, 0.0), None);
+}
+
+/// Springs pull as far as the line is above their depth, up to the load at which it gives way by itself; from there on
+/// as at that load.
+#[test]
+fn an_anchor_pulls_by_what_the_line_lacks() {
+    let held = CreaseLoad {
+        anchor: 2.0,
+        anchor_depth: 0.5,
+        rest_angle: 0.1,
+        ..free(0.3)
+    };
+    let depth = crease_depth(&held).unwrap();
+    assert!((anchor_pull(&held) - 2.0 * (0.5 - depth)).abs() < 1e-12);
+    assert_eq!(
+        anchor_pull(&CreaseLoad {
+            anchor: 0.0,
+            ..held
+        }),
+        0.0
+    );
+    let onset = crease_onset(held.stiffness);
+    let [at, beyond] = [onset, 3.0].map(|load| anchor_pull(&CreaseLoad { load, ..held }));
+    assert_eq!(at, beyond);
+    // The resting angle alone takes it deeper than the springs there.
+    assert!(at < 0.0);
+    for stiffness in [0.0, 1e9, f64::INFINITY] {
+        for load in [-1e6, 0.0, 1.0] {
+            let pull = anchor_pull(&CreaseLoad {
+                stiffness,
+                load,
+                ..held
+            });
+            assert!(pull.is_finite(), "{stiffness} {load}: {pull}");
+        }
+    }
 }

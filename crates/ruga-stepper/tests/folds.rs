@@ -1,138 +1,17 @@
 //! Layers that fold along lines.
 
+mod creased;
 mod patch;
 
+use creased::{crease, creased, depth, shortened};
 use nalgebra::Vector2;
 use patch::{SIDE, draft, driver, pose, skin};
-use ruga_blend::Driver;
-use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
-use ruga_material::{CreaseLoad, capped_strain, crease_depth, wrinkling};
+use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
+use ruga_material::{capped_strain, wrinkling};
 use ruga_stepper::{
     Coupling, CreaseAnchor, CreaseSpec, FoldSample, FoldSense, Frame, LayerSpec, Modelling,
-    Observer, PoseResult, PoseSpec, Region, Silent, Stack, plan,
+    Observer, PoseSpec, Region, Silent, Stack, plan,
 };
-
-/// Thickness of the forehead preset's layer over its bending length, roughly: widths are of this order.
-const WIDTH: f64 = 5e-4;
-
-/// A straight crease across the middle of the patch, from below to above.
-fn crease(driver: &Driver, slant: f64) -> CreaseSpec {
-    let points = vec![
-        Vector2::new(0.5 - slant, 0.9),
-        Vector2::new(0.5 + slant, 0.1),
-    ];
-    let tracer = LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs());
-    let line = tracer.trace(&LineInput::Uv {
-        points,
-        is_closed: false,
-        corners: Corners::Keep,
-    });
-    CreaseSpec {
-        name: "line".into(),
-        line: line.expect("a line on the patch"),
-        law: LineLaw {
-            width: WIDTH,
-            stiffness: 0.1,
-            angle: 5_f64.to_radians(),
-            fade: [2e-3; 2],
-        },
-        is_ridge: false,
-        sense: FoldSense::Valley,
-        drive: Drive::Load,
-        anchor: None,
-        slit: None,
-        memory: CreaseMemory::default(),
-        absorbs: false,
-    }
-}
-
-fn creased(crease: CreaseSpec, coupling: Coupling) -> LayerSpec {
-    LayerSpec {
-        creases: vec![crease],
-        ..skin("forehead-furrow", coupling)
-    }
-}
-
-/// The layer shortened evenly by a strain across the line, from rest in one key.
-fn shortened(layer: &LayerSpec, strain: f64, modelling: &Modelling) -> PoseResult {
-    let driver = driver();
-    let poses = [PoseSpec {
-        keys: vec![1.0],
-        ..pose(&driver, "fold", strain / 1.5)
-    }];
-    let layers = std::slice::from_ref(layer);
-    let plan = plan(&driver, layers, &poses, modelling, 1024).expect("a plan");
-    let result = plan.simulate(0, &mut Silent).expect("a layer");
-    assert!(result.converged, "{:?}", result.warnings);
-    result
-}
-
-/// Depth of the furrow in the middle of the patch, m.
-fn depth(result: &PoseResult) -> f64 {
-    let layer = &result.keys[0].layers[0];
-    let places = layer.driver_positions.iter().zip(&layer.positions);
-    let in_middle = places.filter(|(p, _)| (p.y - 0.5 * SIDE).abs() < 0.1 * SIDE);
-    // It is the deepest place there is.
-    in_middle.map(|(p, x)| p.z - x.z).fold(f64::MIN, f64::max)
-}
-
-/// Below the strain at which skin wrinkles, a furrow is as deep as the linear theory says, wherever the line
-/// lies on the artist's mesh and however soft it is, with an anchor and without. The angle is small: at 30 degrees a
-/// furrow takes so much of the compression out of the skin beside it that it is 7 % shallower.
-#[test]
-fn a_furrow_is_as_deep_as_theory_says() {
-    let anchor = CreaseAnchor {
-        depth: 4e-5,
-        stiffness: 20.0,
-    };
-    let usual = (0.1, 5.0);
-    let soft = (0.03, 1.0);
-    let cases = [
-        (0.0, -0.03, usual, None),
-        (0.0, 0.0, usual, None),
-        (0.0, 0.018, usual, None),
-        (0.04, 0.018, usual, None),
-        (0.04, 0.018, usual, Some(anchor)),
-        (0.0, -0.03, soft, None),
-        (0.0, 0.0, soft, None),
-        (0.04, 0.018, soft, None),
-        (0.0, 0.022, soft, None),
-    ];
-    for (slant, strain, (stiffness, degrees), anchor) in cases {
-        let mut spec = CreaseSpec {
-            anchor,
-            ..crease(&driver(), slant)
-        };
-        spec.law.stiffness = stiffness;
-        spec.law.angle = f64::to_radians(degrees);
-        let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
-            let layer = creased(spec.clone(), coupling);
-            depth(&shortened(&layer, strain, &Modelling::standard()))
-        });
-        let layer = skin("forehead-furrow", Coupling::Elastic);
-        let wave = wrinkling(&layer.material, &layer.substrate, layer.model).expect("a preset");
-        let theory = crease_depth(&CreaseLoad {
-            load: wave.reduced_load(strain),
-            stiffness: wave.crease_stiffness(spec.softness()),
-            rest_angle: spec.law.angle,
-            anchor: anchor.map_or(0.0, |anchor| anchor.stiffness),
-            anchor_depth: anchor.map_or(0.0, |anchor| anchor.depth * wave.wave_number),
-        });
-        let theory = theory.expect("a film that does not fold") / wave.wave_number;
-        println!(
-            "slant {slant}, strain {strain}, stiffness {stiffness}, anchor {}: {:.4} of the theory's depth, {:.4} of that with averaging constraints",
-            anchor.is_some(),
-            elastic / theory,
-            hybrid / elastic
-        );
-        assert!((elastic / theory - 1.0).abs() < 0.05, "{elastic} {theory}");
-        // Averages over more than a wavelength take a little of it.
-        assert!(
-            (0.95..1.01).contains(&(hybrid / elastic)),
-            "{hybrid} {elastic}"
-        );
-    }
-}
 
 /// A line that only gives way folds before the skin wrinkles, to its own side, and shows in the maps; far
 /// from it nothing does.

@@ -1,10 +1,11 @@
 //! The creases of a layer: how they are drawn, and how they have folded.
 
+use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
 use ruga_blend::Weights;
-use ruga_material::Wrinkling;
-use ruga_mesh::{EdgeId, Id};
+use ruga_material::{CreaseLoad, Wrinkling, anchor_pull};
+use ruga_mesh::{EdgeId, FaceId, Id, VertexId};
 use ruga_shell::{Crease, LineAnchor};
 
 use super::absorption::AbsorbedFold;
@@ -164,31 +165,12 @@ impl Layer {
 
     /// Gives the edges on creases the angles and depths of the present strengths.
     fn fold_creases(&mut self) -> Result<(), StepperError> {
-        let mut creases = Vec::new();
-        let mut anchors = Vec::new();
-        for (rank, on_edge) in self.skin.creases.iter().enumerate() {
-            let spec = &self.spec.creases[on_edge.line];
-            let strength = self.crease_strengths.lines[on_edge.line];
-            let fold = self.crease_strengths.fold(rank);
-            creases.push((on_edge.edge, self.drawn_crease(rank)));
-            if let Some(anchor) = spec.anchor {
-                let unit = |wave: &Wrinkling| wave.normal_stiffness / wave.wave_number;
-                let depth = |taper: f64| {
-                    let drawn = spec.anchor_depth(anchor, taper * strength);
-                    spec.at_least(drawn, taper * fold.depth)
-                };
-                anchors.push(LineAnchor {
-                    edge: on_edge.edge,
-                    // It fades with the crease, or it would hold the skin down beyond its tips; and a line
-                    // that is not drawn is free, or wrinkles of other poses could not cross it.
-                    stiffness: spec.mean_taper(on_edge.at)
-                        * held(strength.max(fold.share_of_largest()))
-                        * anchor.stiffness
-                        * self.beside(on_edge.edge, unit),
-                    depths: on_edge.at.map(|at| depth(spec.taper(at))),
-                });
-            }
-        }
+        let ranks = 0..self.skin.creases.len();
+        let creases: Vec<_> = ranks
+            .clone()
+            .map(|rank| (self.skin.creases[rank].edge, self.drawn_crease(rank)))
+            .collect();
+        let anchors: Vec<_> = ranks.filter_map(|rank| self.drawn_anchor(rank)).collect();
         let outcome = self.energy.set_creases(&creases);
         let outcome = outcome.and_then(|()| match &mut self.solid {
             None => self.energy.set_line_anchors(&anchors),
@@ -199,6 +181,88 @@ impl Layer {
             }
         });
         outcome.map_err(|source| self.shell_error(source))
+    }
+
+    /// What holds an edge on a crease down, by its rank among these, drawn as now; `None` without an anchor.
+    fn drawn_anchor(&self, rank: usize) -> Option<LineAnchor> {
+        let on_edge = &self.skin.creases[rank];
+        let spec = &self.spec.creases[on_edge.line];
+        let anchor = spec.anchor?;
+        let strength = self.crease_strengths.lines[on_edge.line];
+        let fold = self.crease_strengths.fold(rank);
+        let unit = |wave: &Wrinkling| wave.normal_stiffness / wave.wave_number;
+        let depth = |taper: f64| {
+            let drawn = spec.anchor_depth(anchor, taper * strength);
+            spec.at_least(drawn, taper * fold.depth)
+        };
+        Some(LineAnchor {
+            edge: on_edge.edge,
+            // It fades with the crease, or it would hold the skin down beyond its tips; and a line
+            // that is not drawn is free, or wrinkles of other poses could not cross it.
+            stiffness: spec.mean_taper(on_edge.at)
+                * held(strength.max(fold.share_of_largest()))
+                * anchor.stiffness
+                * self.beside(on_edge.edge, unit),
+            depths: on_edge.at.map(|at| depth(spec.taper(at))),
+        })
+    }
+
+    /// How far the anchors of creases draw the base of the layer down where averages are taken of it, by vertices (m).
+    ///
+    /// What an anchor pulls with, the foundation carries: in the mean the skin beside it lies lower. Averages that were
+    /// held where they are without anchors would take that back, of a soft one a fifth of its depth. How hard it pulls
+    /// is what the linear theory of one straight line says at the present compression.
+    pub(super) fn drawn_down(&self) -> Vec<(usize, f64)> {
+        let mut pulls: BTreeMap<usize, f64> = BTreeMap::new();
+        for rank in 0..self.skin.creases.len() {
+            let Some(anchor) = self.drawn_anchor(rank) else {
+                continue;
+            };
+            let ends = self.skin.mesh.edges()[anchor.edge].vertices.map(Id::index);
+            let [from, to] = ends.map(|v| self.skin.rest.positions[v]);
+            for (v, depth) in ends.into_iter().zip(anchor.depths) {
+                let half = 0.5 * (to - from).norm();
+                *pulls.entry(v).or_default() += half * self.pull(rank, (anchor.stiffness, depth));
+            }
+        }
+        let way = |(v, pull): (usize, f64)| (v, pull / self.carrying(v));
+        pulls.into_iter().map(way).collect()
+    }
+
+    /// Force per length (N/m) with which springs of a `stiffness` (Pa) draw the crease on an edge to a `depth` (m).
+    fn pull(&self, rank: usize, (stiffness, depth): (f64, f64)) -> f64 {
+        let edge = self.skin.creases[rank].edge;
+        let crease = self.drawn_crease(rank);
+        let of_face = |face: FaceId| {
+            let wave = &self.properties.faces[face].wrinkling;
+            let strain = self.strain_ratios().of_face(face) * wave.critical_strain;
+            let foundation = wave.normal_stiffness * self.absorption.carried(face.index());
+            let unit = foundation / wave.wave_number;
+            let pull = anchor_pull(&CreaseLoad {
+                load: wave.reduced_load(strain),
+                stiffness: wave.crease_stiffness(crease.compliance * wave.bending_stiffness),
+                rest_angle: crease.rest_angle.abs(),
+                anchor: stiffness / unit,
+                anchor_depth: depth.abs() * wave.wave_number,
+            });
+            depth.signum() * pull * unit / wave.wave_number
+        };
+        let faces = self.skin.mesh.edges()[edge].faces.into_iter().flatten();
+        let (sum, count) = faces.fold((0.0, 0), |(sum, n), face| (sum + of_face(face), n + 1));
+        sum / f64::from(count)
+    }
+
+    /// Stiffness of the foundation below a vertex, N/m.
+    fn carrying(&self, vertex: usize) -> f64 {
+        let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
+        let faces = mesh.vertex_faces(VertexId::from_index(vertex)).iter();
+        let of_face = |&face: &FaceId| {
+            let [a, b, c] = mesh.faces()[face].map(|v| rest[v.index()]);
+            let stiffness = self.properties.faces[face].wrinkling.normal_stiffness;
+            let third = (b - a).cross(&(c - a)).norm() / 6.0;
+            third * stiffness * self.absorption.carried(face.index())
+        };
+        faces.map(of_face).sum()
     }
 
     /// Mean of what the layer is like on the faces beside an edge.

@@ -58,7 +58,7 @@ impl Layer {
         }
         let mut unknowns = self.unknowns();
         let base = gather(&self.free, &self.base);
-        let solved = self.row_targets(&base).and_then(|targets| {
+        let solved = self.row_targets().and_then(|targets| {
             let objective = self.objective(&base, inertia);
             minimise(
                 &objective,
@@ -101,7 +101,7 @@ impl Layer {
     ) -> Result<SolveReport, StepperError> {
         let mut unknowns = self.unknowns();
         let base = gather(&self.free, &self.base);
-        let solved = self.row_targets(&base).and_then(|targets| {
+        let solved = self.row_targets().and_then(|targets| {
             let whole = Whole {
                 energy: &self.energy,
                 positions: &self.positions,
@@ -126,14 +126,20 @@ impl Layer {
     }
 
     /// Right-hand sides of the layer's constraints: averages of the support surface.
-    fn row_targets(&self, base: &[f64]) -> Result<Vec<f64>, SolverError> {
+    fn row_targets(&self) -> Result<Vec<f64>, SolverError> {
         if let Some(solid) = &self.solid {
             // On a body the rows hold differences from its surface, so that only held nodes are on
             // the right side.
             return Ok(solid.row_targets());
         }
+        let mut base = self.base.clone();
+        if self.spec.coupling.has_foundation() {
+            for (v, way) in self.drawn_down() {
+                base[v] -= way * self.support.posed.normals[v];
+            }
+        }
         let mut targets = vec![0.0; self.rows.count()];
-        self.rows.mul(base, &mut targets)?;
+        self.rows.mul(&gather(&self.free, &base), &mut targets)?;
         Ok(targets)
     }
 

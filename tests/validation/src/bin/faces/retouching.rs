@@ -3,9 +3,10 @@
 use std::error::Error;
 use std::path::Path;
 
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Vector2, Vector3};
 use ruga_bake::{Coverage, WrinkleMap};
-use ruga_scene::{Scene, SceneOptions, ScenePlan};
+use ruga_mesh::triangle_frame;
+use ruga_scene::{Scene, SceneOptions};
 use ruga_stepper::{FaceState, KeyResult, LayerSurface, Modelling, Observer};
 use ruga_validation::asset;
 
@@ -20,6 +21,9 @@ const NEUTRAL_DEG: f64 = 0.2;
 
 /// Strain ratio below which skin is quiet: it does not wrinkle.
 const QUIET: f64 = 0.5;
+
+/// Length of a way of straight and slanting steps from texel to texel over that of the straight way, at most.
+const STEPPED: f64 = 1.083;
 
 /// Largest fraction of the relief's energy in wavelengths under 40 % of the critical one, percent.
 const SPECKLE_PERCENT: f64 = 1.0;
@@ -80,7 +84,7 @@ fn looked_at(path: &Path, quality: Quality) -> Result<Vec<Found>, Box<dyn Error>
         };
         // Both faces lie in one tile.
         let map = &scene.bake_key(pose, key)?[0];
-        let asked = Asked::new(&plan, number, (map.size, key))?;
+        let asked = Asked::new(map.size, key)?;
         let own = found_in(&pose.name, map, &asked, key)?;
         eprintln!(
             "{}: {} of {} quiet texels, up to {:.2} degrees; speckle {:.2} % of heights, {:.2} % of slopes",
@@ -149,45 +153,33 @@ impl Observer for StatesOfFaces {
     }
 }
 
-/// What is said of the texels of a map: strains by the run itself, whose own measure of quiet skin they are, and
-/// wavelengths across the waves by the plan.
+/// What the run itself says of the texels of a map.
 struct Asked {
     size: usize,
     /// Whether no layer is strained there to half of what wrinkles it.
     is_quiet: Vec<bool>,
-    /// The longest quarter of a wavelength there, texels.
+    /// Distance from other skin (texels) beyond which it is a quarter of the longest wavelength away, whichever way
+    /// the texture is stretched.
     room: Vec<f32>,
 }
 
 impl Asked {
-    fn new(
-        plan: &ScenePlan,
-        pose: usize,
-        (size, key): (u32, &KeyResult),
-    ) -> Result<Self, Box<dyn Error>> {
+    fn new(size: u32, key: &KeyResult) -> Result<Self, Box<dyn Error>> {
         let texels = (size * size) as usize;
         let mut asked = Self {
             size: size as usize,
             is_quiet: vec![true; texels],
             room: vec![0.0; texels],
         };
-        for zone in &plan.zones {
-            let Some(surface) = zone.plan.surface()? else {
-                continue;
-            };
-            for number in 0..zone.plan.poses[pose].layers.len() {
-                for face in surface.faces(pose, number) {
-                    let quarter = (0.25 * f64::from(size) * face.across.norm()) as f32;
-                    for_texels(size, face.uvs, |texel| {
-                        asked.room[texel] = asked.room[texel].max(quarter);
-                    });
-                }
-            }
-        }
         for layer in &key.layers {
-            for (state, uvs) in states(layer)?.iter().zip(layer.uvs.iter()) {
+            let faces = layer.faces.iter().zip(layer.uvs.iter());
+            for (state, (face, uvs)) in states(layer)?.iter().zip(faces) {
+                let corners = face.map(|v| layer.driver_positions[v as usize]);
+                let quarter = 0.25 * state.wavelength * stretch(&corners, uvs);
+                let room = (STEPPED * f64::from(size) * quarter) as f32;
                 for_texels(size, *uvs, |texel| {
                     asked.is_quiet[texel] &= state.strain_ratio < QUIET;
+                    asked.room[texel] = asked.room[texel].max(room);
                 });
             }
         }
@@ -221,6 +213,19 @@ impl Asked {
         pass(&mut texels.iter().rev(), [(1, 1), (1, 0), (1, -1), (0, 1)]);
         distances
     }
+}
+
+/// Texture coordinates per metre of skin, the way in which they are the most.
+fn stretch(corners: &[Vector3<f64>; 3], uvs: &[Vector2<f64>; 3]) -> f64 {
+    let frame = triangle_frame(corners);
+    let flat = |corner: usize| {
+        let way = corners[corner] - corners[0];
+        Vector2::new(way.dot(&frame[0]), way.dot(&frame[1]))
+    };
+    let skin = Matrix2::from_columns(&[flat(1), flat(2)]);
+    let texture = Matrix2::from_columns(&[uvs[1] - uvs[0], uvs[2] - uvs[0]]);
+    let from_skin = skin.try_inverse().unwrap_or_else(Matrix2::zeros);
+    (texture * from_skin).singular_values().max()
 }
 
 /// Calls `act` with every texel whose centre a face holds, its border included.

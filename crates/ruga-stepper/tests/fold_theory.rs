@@ -1,0 +1,194 @@
+//! Furrows along a straight line against the linear theory of one crease in a film.
+
+mod creased;
+mod patch;
+
+use std::collections::BTreeMap;
+
+use creased::{crease, creased, depth, shortened};
+use patch::{SIDE, draft, driver, pose, skin};
+use ruga_material::{CreaseLoad, crease_depth, crease_profile, wrinkling};
+use ruga_stepper::{
+    Coupling, CreaseAnchor, CreaseSpec, Frame, LayerSpec, Modelling, Observer, PoseSpec, Silent,
+    plan,
+};
+
+/// Below the strain at which skin wrinkles, a furrow is as deep as the linear theory says, wherever the line
+/// lies on the artist's mesh and however soft it is, with an anchor and without. The angle is small: at 30 degrees a
+/// furrow takes so much of the compression out of the skin beside it that it is 7 % shallower.
+#[test]
+fn a_furrow_is_as_deep_as_theory_says() {
+    let anchor = CreaseAnchor {
+        depth: 4e-5,
+        stiffness: 20.0,
+    };
+    let (usual, soft) = (0.1, 0.03);
+    let cases = [
+        (0.0, -0.03, usual, None),
+        (0.0, 0.0, usual, None),
+        (0.0, 0.018, usual, None),
+        (0.04, 0.018, usual, None),
+        (0.04, 0.018, usual, Some(anchor)),
+        (0.0, -0.03, soft, None),
+        (0.0, 0.0, soft, None),
+        (0.04, 0.018, soft, None),
+        (0.0, 0.022, soft, None),
+    ];
+    for (slant, strain, stiffness, anchor) in cases {
+        let mut spec = CreaseSpec {
+            anchor,
+            ..crease(&driver(), slant)
+        };
+        spec.law.stiffness = stiffness;
+        let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
+            let layer = creased(spec.clone(), coupling);
+            depth(&shortened(&layer, strain, &Modelling::standard()))
+        });
+        let layer = skin("forehead-furrow", Coupling::Elastic);
+        let wave = wrinkling(&layer.material, &layer.substrate, layer.model).expect("a preset");
+        let theory = crease_depth(&CreaseLoad {
+            load: wave.reduced_load(strain),
+            stiffness: wave.crease_stiffness(spec.softness()),
+            rest_angle: spec.law.angle,
+            anchor: anchor.map_or(0.0, |anchor| anchor.stiffness),
+            anchor_depth: anchor.map_or(0.0, |anchor| anchor.depth * wave.wave_number),
+        });
+        let theory = theory.expect("a film that does not fold") / wave.wave_number;
+        println!(
+            "slant {slant}, strain {strain}, stiffness {stiffness}, anchor {}: {:.4} of the theory's depth, {:.4} of that with averaging constraints",
+            anchor.is_some(),
+            elastic / theory,
+            hybrid / elastic
+        );
+        assert!((elastic / theory - 1.0).abs() < 0.05, "{elastic} {theory}");
+        // Averages over more than a wavelength take a little of it.
+        assert!(
+            (0.95..1.01).contains(&(hybrid / elastic)),
+            "{hybrid} {elastic}"
+        );
+    }
+}
+
+/// Beside the line the skin comes up and dies out as the linear theory says: in the mean along the line within 5 % of the
+/// depth, and at single vertices within 8.
+#[test]
+fn a_furrow_has_the_shape_of_theory() {
+    for (strain, stiffness) in [(-0.03, 0.1), (0.0, 0.1), (0.018, 0.1), (0.018, 0.03)] {
+        let mut spec = crease(&driver(), 0.0);
+        spec.law.stiffness = stiffness;
+        let layer = creased(spec, Coupling::Elastic);
+        let wave = wrinkling(&layer.material, &layer.substrate, layer.model).expect("a preset");
+        let load = wave.reduced_load(strain);
+        let result = shortened(&layer, strain, &Modelling::standard());
+        let own = &result.keys[0].layers[0];
+        let places = own.driver_positions.iter().zip(&own.positions);
+        // Bending lengths from the line, and height.
+        let middle: Vec<(f64, f64)> = places
+            .filter(|(p, _)| (p.y - 0.5 * SIDE).abs() < 0.1 * SIDE)
+            .map(|(p, x)| {
+                let from_line = p.x / (1.0 - strain) - 0.5 * SIDE;
+                (wave.wave_number * from_line, x.z - p.z)
+            })
+            .collect();
+        // Means over stripes along the line, a tenth of a bending length wide.
+        let mut stripes: BTreeMap<i64, (f64, f64, f64)> = BTreeMap::new();
+        for (x, z) in &middle {
+            let stripe = stripes.entry((10.0 * x).round() as i64).or_default();
+            *stripe = (stripe.0 + x, stripe.1 + z, stripe.2 + 1.0);
+        }
+        let means = stripes.values().map(|(x, z, count)| (x / count, z / count));
+        let depth = -stripes[&0].1 / stripes[&0].2;
+        let off = |(x, z): (f64, f64)| {
+            let profile = crease_profile(load, x).expect("a film that does not wrinkle");
+            (z / depth - profile).abs()
+        };
+        let worst = means.map(off).fold(0.0, f64::max);
+        let single = middle.iter().copied().map(off).fold(0.0, f64::max);
+        println!(
+            "strain {strain}, stiffness {stiffness}: off by {worst:.4} of the depth, {single:.4} at single vertices"
+        );
+        assert!(worst < 0.05 && single < 0.08, "{worst} {single}");
+    }
+}
+
+/// An anchor draws a line to the same depth with averaging constraints and without, a soft one too, wherever the line
+/// lies among them: what it pulls with is carried by the foundation, and they let it.
+#[test]
+fn averages_leave_an_anchor_its_depth() {
+    for stiffness in [2.0, 20.0] {
+        for (slant, strain) in [(0.0, -0.02), (0.03, 0.0), (0.06, 0.018), (0.09, 0.04)] {
+            let mut spec = crease(&driver(), slant);
+            spec.law.angle = 0.0;
+            spec.anchor = Some(CreaseAnchor {
+                depth: 2e-4,
+                stiffness,
+            });
+            let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
+                let layer = creased(spec.clone(), coupling);
+                depth(&shortened(&layer, strain, &Modelling::standard()))
+            });
+            let ratio = hybrid / elastic;
+            println!("anchor {stiffness}, slant {slant}, strain {strain}: {ratio:.4}");
+            assert!((0.94..1.05).contains(&ratio), "{hybrid} {elastic}");
+        }
+    }
+}
+
+/// Wants every load step.
+struct Frames;
+
+impl Observer for Frames {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
+    fn frame(&mut self, _: &Frame<'_>) {}
+}
+
+/// A soft line folds at half the strain at which the skin wrinkles. Beyond both, the state is the same however it is
+/// reached: at once, by keys between the two, or by frames; and waves are as long as without the line.
+#[test]
+fn two_onsets_lead_to_one_state() {
+    let driver = driver();
+    let mut spec = crease(&driver, 0.0);
+    spec.law.angle = 0.0;
+    spec.law.stiffness = 0.01;
+    let line = creased(spec, Coupling::Hybrid);
+    let none = skin("forehead-furrow", Coupling::Hybrid);
+    for strain in [0.06, 0.08] {
+        let reached = |layer: &LayerSpec, keys: &[f64], steps: u32, observer: &mut dyn Observer| {
+            let poses = [PoseSpec {
+                keys: keys.to_vec(),
+                steps,
+                ..pose(&driver, "fold", strain / 1.5)
+            }];
+            let layers = std::slice::from_ref(layer);
+            let plan = plan(&driver, layers, &poses, &draft(), 1024).expect("a plan");
+            let result = plan.simulate(0, observer).expect("a layer");
+            assert!(result.converged, "{:?}", result.warnings);
+            result.layers[0].clone()
+        };
+        let wave = reached(&none, &[1.0], 4, &mut Silent).wavelength;
+        let direct = reached(&line, &[1.0], 4, &mut Silent);
+        let (fold, energy) = (direct.creases[0].fold, direct.energy);
+        println!(
+            "{strain}: fold {:.2} degrees, waves {:?} m and {wave:?} without the line",
+            fold.to_degrees(),
+            direct.wavelength
+        );
+        let close =
+            |a: Option<f64>, b: Option<f64>| (a.expect("waves") / b.expect("waves") - 1.0).abs();
+        // Rows of wrinkles from border to border: one more or less is a tenth.
+        assert!(close(direct.wavelength, wave) < 0.1);
+        let others = [
+            reached(&line, &[0.5, 0.75, 1.0], 4, &mut Silent),
+            reached(&line, &[1.0], 8, &mut Frames),
+            reached(&line, &[1.0], 20, &mut Frames),
+        ];
+        for other in others {
+            assert!((other.creases[0].fold / fold - 1.0).abs() < 1e-3);
+            assert!((other.energy / energy - 1.0).abs() < 1e-6);
+            assert!(close(other.wavelength, direct.wavelength) < 1e-3);
+        }
+    }
+}
