@@ -291,7 +291,7 @@ uv = [[0.1, 0.5], [0.1, 0.5]] => creases[0].uv` | no length
 uv = [[0.1, 0.5], [0.3, 1.5]] => creases[0].uv[1]` | UV (0.3, 1.5) | no triangle | upper left
 uv = [[0.1, 0.3], [0.3, 0.5], [0.7, 0.5]] => creases[0].uv[1]` | crosses a UV seam | same place in the other
 uv = [[0.1, 0.5], [0.103, 0.5]] => creases[0].uv` | crease `line` is 0.33 mm long | two edges | lengthen it
-uv = [[0.1, 0.05], [0.4, 0.05]] => creases[0].uv` | along the border | triangle 
+uv = [[0.1, 0.05], [0.4, 0.05]] => creases[0].uv` | along the border | triangle 0,
 edges = [10] => creases[0].edges` | found 1 vertex | at least 2
 edges = [10, 10] => creases[0].edges` | 1 different point
 edges = [11, 12, 52] => creases[0].edges` | vertices 12 and 52 | no edge
@@ -326,13 +326,13 @@ fn scene_creases_over_a_triangle_without_area_are_refused() {
     let line = with_line("uv = [[0.02, 0.3], [0.09, 0.42], [0.2, 0.48]]");
     site.refuses(
         &line,
-        "creases[0].uv` | triangle  | no area | mend the mesh",
+        "creases[0].uv` | triangle 17, | no area | mend the mesh",
     );
 }
 
 const WARNED: &str = "
 uv = [[0.1, 0.3], [0.4, 0.3], [0.4, 0.5], [0.2, 0.5], [0.2, 0.15]] => `line` crosses itself | mm from its start
-uv = [[0.1, 0.3], [0.35, 0.3], [0.1, 0.3]] => crease `line` comes within 0.00 mm of itself | apart
+uv = [[0.1, 0.3], [0.35, 0.3], [0.1, 0.3]] => crease `line` comes within 0.00 mm of itself | 1.43 mm from its start
 uv = [[0.1, 0.5], [0.35, 0.5]]; width = 0.7; fade = [0, 0] => `line` | 700.00 mm wide | `map` | `width`
 uv = [[0.1, 0.5], [0.35, 0.5]]; fade = [1, 1] => `line` | 27.78 mm | 1000.00 mm | shorten `fade`
 ";
@@ -357,6 +357,9 @@ width = -1e-3 => creases[0].width | found -0.001; accepted: a number above 0
 width = 0 => creases[0].width | found 0
 width = nan => creases[0].width | found NaN
 stiffness = 0.0 => creases[0].stiffness | found 0; accepted: a share from 0.000001 to 1
+stiffness = 1.5 => creases[0].stiffness | found 1.5; accepted: a share from 0.000001 to 1
+stiffness = -1 => creases[0].stiffness | found -1; accepted: a share
+angle = 181 => creases[0].angle | found 181; accepted: degrees from 0 to 150
 angle = 151 => creases[0].angle | found 151; accepted: degrees from 0 to 150
 angle = -5 => creases[0].angle | found -5
 fade = [1e-3, -1e-3] => creases[0].fade[1] | found -0.001 | from 0

@@ -84,6 +84,65 @@ fn a_line_at_any_angle_gives_way_at_the_closed_form() {
     }
 }
 
+/// Five drawn meshes, each fitted: the onset is that of the closed form on all of them.
+#[test]
+fn a_line_gives_way_alike_on_five_fitted_meshes() {
+    let (points, across) = straight(30.0);
+    for kappa in [0.884, 0.0] {
+        let ratios = [1, 2, 3, 4, 5].map(|seed| {
+            let drawn = DrawnSheet::new(SIDE as usize, seed);
+            let fits = drawn.fitted(&[drawn.trace(points.clone())], 1.0 / 12.0, 3);
+            onset(&fits[2], &feature_edges(&fits[2]), across, kappa) / crease_onset(kappa)
+        });
+        println!("kappa {kappa}: {ratios:.4?} of the closed form");
+        assert!(
+            ratios.iter().all(|r| (r - 1.0).abs() < 0.03),
+            "{kappa}: {ratios:?}"
+        );
+    }
+}
+
+/// A line along edges of the drawn mesh, and the same where it goes across them.
+#[test]
+fn a_line_off_the_edges_gives_way_as_one_on_them() {
+    let (points, across) = straight(0.0);
+    let off = DrawnSheet::new(SIDE as usize, 3);
+    let mut on = DrawnSheet::new(SIDE as usize, 3);
+    let column = (0.5 * SIDE) as usize;
+    for row in 0..=SIDE as usize {
+        on.positions[row * (SIDE as usize + 1) + column].x = 0.5 * SIDE;
+    }
+    for (kappa, _) in CASES {
+        let [on, off] = [&on, &off].map(|drawn| {
+            let fits = drawn.fitted(&[drawn.trace(points.clone())], 1.0 / 12.0, 3);
+            onset(&fits[2], &feature_edges(&fits[2]), across, kappa)
+        });
+        println!("kappa {kappa}: {:.4} of the onset on edges", off / on);
+        assert!((off / on - 1.0).abs() < 0.01, "{kappa}: {off} {on}");
+    }
+}
+
+/// Fifty lines that meet in one vertex, where they are closer than the film's edges are long.
+#[test]
+fn a_fan_of_lines_folds() {
+    let drawn = DrawnSheet::new(SIDE as usize, 3);
+    let middle = Vector3::new(0.5 * SIDE, 0.5 * SIDE, 0.0);
+    let ray = |i: usize| {
+        let (sin, cos) = (TAU * i as f64 / 50.0).sin_cos();
+        drawn.trace(vec![
+            middle,
+            middle + Vector3::new(cos, sin, 0.0) * (0.3 * SIDE),
+        ])
+    };
+    let lines: Vec<_> = (0..50).map(ray).collect();
+    let fits = drawn.fitted(&lines, 1.0 / 12.0, 2);
+    let [energy, depth] = folded(&fits[1]);
+    assert!(
+        energy.is_finite() && depth > 0.0 && depth < 1.0,
+        "{energy} {depth}"
+    );
+}
+
 /// The way along existing edges that keeps nearest to a straight line.
 fn zigzag(mesh: &SurfaceMesh, ends: [Vector3<f64>; 2]) -> Vec<EdgeId> {
     let along = (ends[1] - ends[0]).normalize();

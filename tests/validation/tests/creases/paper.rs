@@ -90,6 +90,31 @@ impl Ring {
         2.0 * (b - a).cross(&(c - b)).norm() / ((b - a).norm() * (c - b).norm() * (c - a).norm())
     }
 
+    /// Normal curvature of a flank across its rulings, in a row of vertices beside the crease, over that of the
+    /// developable surface which folds along the crease as curved as it is: `κ sin(γ/2)/(1 + d)` at a distance `d`, for
+    /// a crease that is part of a unit circle while it is flat.
+    fn ruling_curvature(&self, row: isize) -> f64 {
+        let x = self.paper.sheet.positions();
+        let from_middle = |p: &Vector3<f64>| p.norm() - 1.0;
+        let distance = HALF_WIDTH * row as f64 / ROWS as f64;
+        let rest = &self.paper.rest;
+        let own = (0..rest.len()).filter(|&v| (from_middle(&rest[v]) - distance).abs() < 1e-9);
+        let mut own: Vec<usize> = own.collect();
+        own.sort_by(|a, b| rest[*a].x.total_cmp(&rest[*b].x));
+        let (centre, reach) = (own.len() / 2, own.len() / 24);
+        let [a, b, c] = [centre - reach, centre, centre + reach].map(|i| x[own[i]]);
+        // Of the circle through the three.
+        let (ab, bc, ac) = (b - a, c - b, c - a);
+        let towards = (bc / bc.norm() - ab / ab.norm()) / (0.5 * ac.norm());
+        let chord = ac.normalize();
+        let nearest = self.middle.iter().map(|&v| x[v]);
+        let nearest = nearest.min_by(|p, q| (p - b).norm().total_cmp(&(q - b).norm()));
+        let along_ruling = (b - nearest.expect("a crease")).normalize();
+        let normal = chord.cross(&along_ruling).normalize();
+        let at_crease = self.curvature() * (0.5 * self.angle()).sin();
+        towards.dot(&normal).abs() * (1.0 + distance) / at_crease
+    }
+
     /// Largest distance of the crease from its mean plane.
     fn off_plane(&self) -> f64 {
         let x = self.paper.sheet.positions();
@@ -122,6 +147,14 @@ fn a_curved_fold_bends_as_its_geodesic_curvature_says() {
             let (off, share) = (ring.off_plane(), ring.share_of_crease());
             let geodesic = curvature * (0.5 * angle).cos();
             let case = format!("{degrees} degrees, {thickness} thick");
+            let rulings = [-6, -4, 4, 6].map(|row| ring.ruling_curvature(row));
+            println!("{case}: curvature across rulings, over theory's: {rulings:.4?}");
+            let mean = rulings.iter().sum::<f64>() / rulings.len() as f64;
+            assert!((mean - 1.0).abs() < 0.01, "{case}: {rulings:?}");
+            assert!(
+                rulings.iter().all(|r| (r - 1.0).abs() < 0.02),
+                "{case}: {rulings:?}"
+            );
             println!(
                 "{case}: {geodesic:.4}, off its plane {off:.4}, membrane {membrane:.3}, crease {share:.3}"
             );
