@@ -17,6 +17,7 @@ mod analytic;
 mod chain;
 mod chain_energy;
 mod dense_block;
+mod dense_newton;
 mod fourier;
 mod height_field;
 mod periodic_mesh;
