@@ -2,7 +2,7 @@
 
 use ruga_solver::NewtonSettings;
 use ruga_validation::cantilever::{Fold, fold_over_theory};
-use ruga_validation::crease_cost::{band_cost, crease_cost};
+use ruga_validation::crease_cost::{band_cost, crease_cost, frame_cost};
 use ruga_validation::fold_panel::{FoldRun, measure_folds};
 use ruga_validation::ridge::sewn_ridge;
 use ruga_validation::virtual_nodes::projected_newton;
@@ -47,6 +47,12 @@ pub(crate) struct Spring {
 pub(crate) struct Cost {
     /// Time of an assembly with ten lines over that without.
     pub(crate) assembly: f64,
+    /// Time of a frame with ten lines over that without.
+    pub(crate) frame: f64,
+    /// Newton steps of a frame without and with ten lines.
+    pub(crate) iterations: [usize; 2],
+    /// Processor seconds of a frame without and with ten lines.
+    pub(crate) seconds: [f64; 2],
     /// Triangles of a film with a line, and with a band in its place.
     pub(crate) faces: [usize; 2],
     /// Multiplications and additions of a factorisation, of both.
@@ -72,7 +78,7 @@ impl Findings {
             rest: Some(rest()),
             springs: springs(),
             cost: Some(cost()),
-            pictures: Vec::new(),
+            ..Self::default()
         }
     }
 }
@@ -118,9 +124,13 @@ fn springs() -> Vec<Spring> {
 
 fn cost() -> Cost {
     let creases = crease_cost(16, 10);
+    let frame = frame_cost(8, 10);
     let band = band_cost();
     Cost {
-        assembly: creases.seconds[1] / creases.seconds[0],
+        assembly: creases.share,
+        frame: frame.share,
+        iterations: frame.iterations,
+        seconds: frame.seconds,
         faces: band.faces,
         flops: band.factor.map(|own| own.flops),
         shortest: band.shortest,

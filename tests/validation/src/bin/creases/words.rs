@@ -42,13 +42,22 @@ pub(crate) fn words(findings: &Findings) -> String {
         "Pictures: triangles, processor seconds, fold in degrees, share of stretching".to_owned(),
     );
     lines.extend(findings.pictures.iter().map(|own| {
-        let failed = if own.converged { "" } else { ", NOT CONVERGED" };
         format!(
-            "  {:<14} {:>6} {:>7.1} {:>6.1} {:>6.3}  {}{failed}",
-            own.file, own.faces, own.seconds, own.fold, own.membrane, own.what
+            "  {:<14} {:>6} {:>7.1} {:>6.1} {:>6.3}  {}{}",
+            own.file,
+            own.faces,
+            own.seconds,
+            own.fold,
+            own.membrane,
+            own.what,
+            failed(own.converged)
         )
     }));
     lines.join("\n") + "\n"
+}
+
+fn failed(converged: bool) -> &'static str {
+    if converged { "" } else { ", NOT CONVERGED" }
 }
 
 /// The short lines of the page.
@@ -90,6 +99,15 @@ pub(crate) fn lines(findings: &Findings) -> Vec<String> {
         lines.push(format!(
             "Ten lines on one mesh: assembly {:+.1} %, no entry and no unknown",
             100.0 * (cost.assembly - 1.0)
+        ));
+        let step = |i: usize| 1e3 * cost.seconds[i] / cost.iterations[i] as f64;
+        lines.push(format!(
+            "    load step {:+.1} %; {:.1} and {:.1} ms a Newton step, {} and {} of them",
+            100.0 * (cost.frame - 1.0),
+            step(0),
+            step(1),
+            cost.iterations[0],
+            cost.iterations[1]
         ));
         lines.push(format!(
             "A band of small triangles instead of a line: {:.1} times the triangles,",
