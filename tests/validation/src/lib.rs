@@ -21,6 +21,7 @@ mod flat_film;
 mod flat_surface;
 pub mod fold_panel;
 mod folded_paper;
+pub mod hung_cloth;
 pub mod light;
 mod patch;
 pub mod plot;

@@ -9,6 +9,7 @@ use ruga_validation::virtual_nodes::projected_newton;
 use serde::{Deserialize, Serialize};
 
 use crate::drifts::{Drift, drifts};
+use crate::hung::Hung;
 use crate::onsets::{Onset, onsets};
 use crate::pictures::Picture;
 
@@ -22,6 +23,7 @@ pub(crate) struct Findings {
     pub(crate) springs: Vec<Spring>,
     pub(crate) cost: Option<Cost>,
     pub(crate) pictures: Vec<Picture>,
+    pub(crate) cloths: Vec<Hung>,
 }
 
 /// Where the paper's quasistatic way comes to rest.

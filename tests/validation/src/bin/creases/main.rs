@@ -12,6 +12,7 @@
 
 mod drifts;
 mod findings;
+mod hung;
 mod onsets;
 mod page;
 mod panels;
@@ -42,6 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     } else {
         let mut findings = Findings::measure(quick);
         findings.pictures = pictures::draw_all(&folder)?;
+        eprintln!("cloths hung by corners");
+        findings.cloths = hung::draw_hung(&folder)?;
         fs::write(&file, serde_json::to_string_pretty(&findings)?)?;
         findings
     };

@@ -5,6 +5,7 @@ use ruga_validation::fold_panel::{ELEMENTS, FoldRun, at_error, of_element};
 
 use crate::drifts::WAYS;
 use crate::findings::Findings;
+use crate::hung::Hung;
 use crate::onsets::{NO_LINE, kappa};
 
 /// All of it, for people: the lines of the page, then tables.
@@ -53,7 +54,27 @@ pub(crate) fn words(findings: &Findings) -> String {
             failed(own.converged)
         )
     }));
+    lines.extend(cloths(&findings.cloths));
     lines.join("\n") + "\n"
+}
+
+fn cloths(cloths: &[Hung]) -> Vec<String> {
+    let head = "Cloth hung by two corners (hung.png, from left to right, a row after the other): triangles, \
+                processor ms, Newton steps, energy with that of the weight in mJ, angle along the line in degrees";
+    let mut lines = vec![String::new(), head.to_owned()];
+    lines.extend(cloths.iter().map(|own| {
+        format!(
+            "  {:<36} {:>5} {:>7.1} {:>4} {:>9.3} {:>6.1}{}",
+            own.what,
+            own.faces,
+            1e3 * own.seconds,
+            own.iterations,
+            1e3 * own.energy,
+            own.fold,
+            failed(own.converged)
+        )
+    }));
+    lines
 }
 
 fn failed(converged: bool) -> &'static str {
