@@ -47,6 +47,6 @@ pub use folded_paper::{FoldedPaper, edges_within};
 pub use patch::{Patch, patch_driver, patch_pose};
 pub use rectangle::Rectangle;
 pub use sheet::{FilmCoupling, FilmSpec, Link, Sheet, SheetSpec, Strip, equilateral, upright};
-pub use skin::{EveryFrame, Skin, asset, findings, shared_data, skin_layer, tilts};
+pub use skin::{EveryFrame, Skin, asset, findings, shared_data, skin_layer, test_scene, tilts};
 pub use two_scales::{FineHeights, Profile, TwoScales, Window};
 pub use unit_film::{unit_face, unit_film};

@@ -8,6 +8,7 @@ use ruga_validation::ridge::sewn_ridge;
 use ruga_validation::virtual_nodes::projected_newton;
 use serde::{Deserialize, Serialize};
 
+use crate::block::Block;
 use crate::drifts::{Drift, drifts};
 use crate::hung::Hung;
 use crate::onsets::{Onset, onsets};
@@ -23,6 +24,7 @@ pub(crate) struct Findings {
     pub(crate) springs: Vec<Spring>,
     pub(crate) cost: Option<Cost>,
     pub(crate) pictures: Vec<Picture>,
+    pub(crate) blocks: Vec<Block>,
     pub(crate) cloths: Vec<Hung>,
 }
 

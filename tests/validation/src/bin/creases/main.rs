@@ -10,6 +10,7 @@
     reason = "progress and findings are what the program is for"
 )]
 
+mod block;
 mod drifts;
 mod findings;
 mod hung;
@@ -45,6 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         findings.pictures = pictures::draw_all(&folder)?;
         eprintln!("cloths hung by corners");
         findings.cloths = hung::draw_hung(&folder)?;
+        eprintln!("pressed blocks");
+        findings.blocks = block::draw_blocks(&folder)?;
         fs::write(&file, serde_json::to_string_pretty(&findings)?)?;
         findings
     };

@@ -3,6 +3,7 @@
 use ruga_material::crease_onset;
 use ruga_validation::fold_panel::{ELEMENTS, FoldRun, at_error, of_element};
 
+use crate::block::Block;
 use crate::drifts::WAYS;
 use crate::findings::Findings;
 use crate::hung::Hung;
@@ -55,6 +56,7 @@ pub(crate) fn words(findings: &Findings) -> String {
         )
     }));
     lines.extend(cloths(&findings.cloths));
+    lines.extend(blocks(&findings.blocks));
     lines.join("\n") + "\n"
 }
 
@@ -71,6 +73,28 @@ fn cloths(cloths: &[Hung]) -> Vec<String> {
             own.iterations,
             1e3 * own.energy,
             own.fold,
+            failed(own.converged)
+        )
+    }));
+    lines
+}
+
+fn blocks(blocks: &[Block]) -> Vec<String> {
+    let head = "Pressed block (block.png, from left to right): triangles of the skin, seconds, relief in mm; of every \
+                line the mean and the largest fold in degrees and the mean depth in mm";
+    let mut lines = vec![String::new(), head.to_owned()];
+    lines.extend(blocks.iter().map(|own| {
+        let folds = own.lines.iter().map(|line| {
+            let [mean, largest] = line.fold;
+            format!("  {mean:+.1} {largest:+.1} {:+.2}", 1e3 * line.depth)
+        });
+        format!(
+            "  {:<26} {:>5} {:>6.1} {:>6.2}{}{}",
+            own.what,
+            own.faces,
+            own.seconds,
+            1e3 * own.relief,
+            folds.collect::<String>(),
             failed(own.converged)
         )
     }));
