@@ -3,11 +3,15 @@
 use std::f64::consts::TAU;
 
 use nalgebra::Vector3;
+use ruga_mesh::EdgeId;
 use ruga_remesh::SurfaceMesh;
 use ruga_shell::{BendingModel, Crease, FoldSense, LayerEnergy, LayerParameters};
-use ruga_solver::{ConstraintRows, FactorCost, Kkt, LowerPattern};
+use ruga_solver::{ConstraintRows, FactorCost, Kkt, LowerPattern, NewtonSettings};
 
-use crate::{DrawnSheet, cpu_seconds, edges_within, unit_face, unit_film, upright};
+use crate::{
+    DrawnSheet, FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, cpu_seconds, edges_within,
+    unit_face, unit_film, upright,
+};
 
 /// Cost of the Hessian of a film, without and with creases.
 #[derive(Clone, Copy, Debug)]
@@ -16,18 +20,19 @@ pub struct CreaseCost {
     pub entries: [usize; 2],
     /// Processor seconds of an assembly, the least of many.
     pub seconds: [f64; 2],
+    /// Time of an assembly with creases over that of the one before it without, the median of many.
+    pub share: f64,
 }
 
-/// Assemblies of which the quickest counts.
-const REPEATS: usize = 25;
+/// Pairs of assemblies.
+const REPEATS: usize = 51;
 
 /// Assembles the Hessian of a film a dozen points per wavelength and `waves` wavelengths long, with `lines` across it.
 ///
 /// # Panics
 /// When the film has no room for the lines.
 pub fn crease_cost(waves: usize, lines: usize) -> CreaseCost {
-    let points = 12;
-    let strip = upright(waves as f64, waves * points, 4 * points);
+    let strip = lined_strip(waves, 4);
     let (theory, thickness) = unit_film(0.05);
     let parameters = LayerParameters::uniform(
         unit_face((&theory, thickness)),
@@ -50,34 +55,144 @@ pub fn crease_cost(waves: usize, lines: usize) -> CreaseCost {
         rest_angle: 0.5,
         sense: FoldSense::Valley,
     };
-    let apart = waves * points / (lines + 1);
-    assert!(apart > 1, "room for the lines");
-    let is_line =
-        |column: usize| column > 0 && column <= lines * apart && column.is_multiple_of(apart);
-    let column = |v: u32| strip.points[v as usize].x * points as f64;
-    let is_on = |v: u32| {
-        let near = column(v).round();
-        (column(v) - near).abs() < 1e-6 && is_line(near as usize)
-    };
-    let edges = edges_within(&mesh, is_on);
-    let creases: Vec<_> = edges.into_iter().map(|edge| (edge, crease)).collect();
+    let creases = on_lines((&strip, waves), lines, crease);
     let mut cost = CreaseCost {
         entries: [0; 2],
         seconds: [f64::INFINITY; 2],
+        share: 1.0,
     };
     let mut values = vec![0.0; layer.pattern().1.len()];
     // By turns, so that what else the machine does falls on both; and one layer, for where its arrays lie in memory
     // makes a tenth of the time.
-    for _ in 0..REPEATS {
+    let mut turns = [[0.0; 2]; REPEATS];
+    for turn in &mut turns {
         for (i, own) in [&[], creases.as_slice()].into_iter().enumerate() {
             layer.set_creases(own).expect("valid creases");
             let start = cpu_seconds();
             layer.hessian(&rest, &mut values, None);
-            cost.seconds[i] = cost.seconds[i].min(cpu_seconds() - start);
+            turn[i] = cpu_seconds() - start;
+            cost.seconds[i] = cost.seconds[i].min(turn[i]);
             cost.entries[i] = layer.pattern().1.len();
         }
     }
+    cost.share = median_share(&turns);
     cost
+}
+
+/// Points per wavelength of the films.
+const POINTS: usize = 12;
+
+/// A film with columns of vertices across it, so many wavelengths long and wide.
+fn lined_strip(waves: usize, width: usize) -> Strip {
+    upright(waves as f64, waves * POINTS, width * POINTS)
+}
+
+/// A crease on every edge of `lines` columns, evenly apart.
+fn on_lines(
+    (strip, waves): (&Strip, usize),
+    lines: usize,
+    crease: Crease,
+) -> Vec<(EdgeId, Crease)> {
+    let apart = waves * POINTS / (lines + 1);
+    assert!(apart > 1, "room for the lines");
+    let is_line =
+        |column: usize| column > 0 && column <= lines * apart && column.is_multiple_of(apart);
+    let column = |v: u32| strip.points[v as usize].x * POINTS as f64;
+    let is_on = |v: u32| {
+        let near = column(v).round();
+        (column(v) - near).abs() < 1e-6 && is_line(near as usize)
+    };
+    let edges = edges_within(&strip.topology(), is_on).into_iter();
+    edges.map(|edge| (edge, crease)).collect()
+}
+
+/// Cost of a load step of a film that wrinkles, without and with creases that hardly give way.
+#[derive(Clone, Copy, Debug)]
+pub struct FrameCost {
+    /// Newton steps.
+    pub iterations: [usize; 2],
+    /// Processor seconds of the solve, the least of several.
+    pub seconds: [f64; 2],
+    /// Time of a frame with creases over that of the one before it without, the median of several.
+    pub share: f64,
+    /// Amplitude of the wrinkles in thicknesses.
+    pub amplitudes: [f64; 2],
+}
+
+/// Pairs of frames.
+const FRAMES: usize = 9;
+
+/// Stiffness of the lines in units of the film's: so much that the film with lines wrinkles as that without does,
+/// and takes as many Newton steps.
+const HARDLY: f64 = 100.0;
+
+/// Base compressions before the frame and after it, critical strains.
+const COMPRESSIONS: [f64; 2] = [1.2, 1.4];
+
+/// Compresses a wrinkled film a dozen points per wavelength, `waves` wavelengths long and half as wide, a little more,
+/// with `lines` across it and without.
+///
+/// # Panics
+/// When the film has no room for the lines, or a solve does not converge.
+pub fn frame_cost(waves: usize, lines: usize) -> FrameCost {
+    let strip = lined_strip(waves, waves / 2);
+    let critical = 0.05;
+    let (theory, thickness) = unit_film(critical);
+    let film = FilmSpec {
+        coupling: FilmCoupling::Elastic,
+        ..FilmSpec::flat(150.0)
+    };
+    let mut spec = SheetSpec::film(&film, &strip);
+    (spec.theory, spec.thickness) = (theory, thickness);
+    spec.parameters = LayerParameters::uniform(
+        unit_face((&theory, thickness)),
+        strip.faces.len(),
+        theory.tangential_stiffness,
+        strip.points.len(),
+    );
+    let crease = Crease {
+        compliance: 1.0 / (HARDLY * TAU),
+        rest_angle: 0.0,
+        sense: FoldSense::Both,
+    };
+    let creases = on_lines((&strip, waves), lines, crease);
+    let mut sheet = Sheet::new(spec);
+    let [before, after] = COMPRESSIONS.map(|share| strip.compressed(share * critical));
+    let normals = vec![Vector3::z(); strip.points.len()];
+    let settings = NewtonSettings::default();
+    let mut cost = FrameCost {
+        iterations: [0; 2],
+        seconds: [f64::INFINITY; 2],
+        share: 1.0,
+        amplitudes: [0.0; 2],
+    };
+    let mut turns = [[0.0; 2]; FRAMES];
+    for turn in &mut turns {
+        for (i, own) in [&[], creases.as_slice()].into_iter().enumerate() {
+            sheet.crease(own, &[]);
+            sheet.lay_on(before.clone(), &normals);
+            sheet.lie_down(Vector3::z(), 0.1, 7);
+            let first = sheet.solve(&settings);
+            sheet.lay_on(after.clone(), &normals);
+            let start = cpu_seconds();
+            let report = sheet.solve(&settings);
+            turn[i] = cpu_seconds() - start;
+            cost.seconds[i] = cost.seconds[i].min(turn[i]);
+            assert!(first.converged && report.converged, "{report:?}");
+            cost.iterations[i] = report.iterations;
+            cost.amplitudes[i] = sheet.amplitude(&Vector3::z(), |_| true) / thickness;
+        }
+    }
+    cost.share = median_share(&turns);
+    cost
+}
+
+/// Median of the second times over the first ones. What else the machine does lasts longer than a turn, and falls on
+/// both.
+fn median_share(turns: &[[f64; 2]]) -> f64 {
+    let mut shares: Vec<_> = turns.iter().map(|turn| turn[1] / turn[0]).collect();
+    shares.sort_by(f64::total_cmp);
+    shares[shares.len() / 2]
 }
 
 /// Elements of a film with one line: as an edge with a crease, and as a band resolved by three edges.

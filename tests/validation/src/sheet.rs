@@ -257,6 +257,13 @@ impl Sheet {
         }
     }
 
+    /// Loads vertices with weights (N), those that move.
+    pub fn weigh(&mut self, weights: &[Vector3<f64>]) {
+        for (&v, load) in self.free.iter().zip(self.load.chunks_exact_mut(3)) {
+            load.copy_from_slice(weights[v as usize].as_slice());
+        }
+    }
+
     /// Solves as the product does.
     ///
     /// # Panics
@@ -335,6 +342,14 @@ impl Sheet {
             area: self.energy.vertex_areas().iter().sum(),
         };
         (objective, &mut self.kkt)
+    }
+
+    /// Elastic energy and that of the load, J.
+    pub fn loaded_energy(&self) -> f64 {
+        let moved = |&v: &u32| self.positions[v as usize] - self.base[v as usize];
+        let loads = self.free.iter().zip(self.load.chunks_exact(3));
+        let work = loads.map(|(v, load)| Vector3::from_column_slice(load).dot(&moved(v)));
+        self.energy() + self.links.value(&self.positions) - work.sum::<f64>()
     }
 
     /// Elastic energy, J.

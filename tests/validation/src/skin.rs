@@ -48,6 +48,11 @@ pub fn asset(name: &str) -> PathBuf {
     beside("../../assets").join(name)
 }
 
+/// A scene of this package.
+pub fn test_scene(name: &str) -> PathBuf {
+    beside("scenes").join(name)
+}
+
 /// A layer of a preset, held the default way.
 ///
 /// # Panics

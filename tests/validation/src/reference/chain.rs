@@ -3,11 +3,11 @@
 //! Crest and trough are planes of symmetry, so that nothing can slide and no wave is counted
 //! twice; the length of the box is the half wave. Waves that merge or split are outside.
 
-use nalgebra::{DMatrix, DVector};
 use ruga_material::Wrinkling;
 
 use super::analytic::{BendingLaw, Onset};
 use super::chain_energy::ChainEnergy;
+use super::dense_newton::newton;
 use super::lowest;
 
 /// A film on Pasternak springs, and how finely it is cut.
@@ -44,11 +44,6 @@ const LARGEST_STRAIN: f64 = 0.4;
 
 /// How closely wavelengths are searched for.
 const FINE: f64 = 1e-5;
-
-const MAX_ITERATIONS: usize = 100;
-
-/// Length of a Newton step, over the longest coordinate, that ends the solve.
-const STEP_TOLERANCE: f64 = 1e-11;
 
 impl Chain {
     /// Where the flat film becomes unstable first, over all wavelengths.
@@ -97,7 +92,12 @@ impl Chain {
             .amplitude(strain)
             .max(0.1 * self.film.amplitude(2.0 * strain));
         let mut state = energy.sine(guess);
-        let (iterations, converged) = newton(&energy, &mut state);
+        let (iterations, converged) = newton(
+            energy.length(),
+            &|state| energy.value(state),
+            &|state| energy.derivatives(state),
+            &mut state,
+        );
         let heights = state.as_slice()[..=energy.segments].to_vec();
         ChainState {
             amplitude: energy.amplitude(&state),
@@ -116,44 +116,5 @@ impl Chain {
             segment: wavelength / self.points as f64,
             strain,
         }
-    }
-}
-
-/// Newton's method with a shift where the Hessian is indefinite; how many steps, and whether the
-/// last one was short.
-fn newton(energy: &ChainEnergy, state: &mut DVector<f64>) -> (usize, bool) {
-    for iteration in 0..MAX_ITERATIONS {
-        let (value, gradient, hessian) = energy.derivatives(state);
-        let step = descent(hessian, &gradient);
-        let slope = gradient.dot(&step);
-        let mut length = 1.0;
-        // Rounding hides the last decrease.
-        let rounding = 1e-14 * value.abs();
-        while energy.value(&(&*state + &step * length)) > value + 1e-4 * length * slope + rounding
-            && length > 1e-10
-        {
-            length *= 0.5;
-        }
-        *state += &step * length;
-        if step.amax() <= STEP_TOLERANCE * energy.length() {
-            return (iteration + 1, true);
-        }
-    }
-    (MAX_ITERATIONS, false)
-}
-
-/// `-H^-1 g`, with the smallest of a row of shifts that makes the matrix positive definite.
-fn descent(hessian: DMatrix<f64>, gradient: &DVector<f64>) -> DVector<f64> {
-    let scale = hessian.diagonal().amax();
-    let mut shift = 0.0;
-    loop {
-        let mut shifted = hessian.clone();
-        for i in 0..gradient.len() {
-            shifted[(i, i)] += shift;
-        }
-        if let Some(factor) = shifted.cholesky() {
-            return -factor.solve(gradient);
-        }
-        shift = (10.0 * shift).max(1e-8 * scale);
     }
 }

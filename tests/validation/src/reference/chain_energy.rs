@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix4, Vector2, Vector4};
 use ruga_material::Wrinkling;
 
 use super::analytic::BendingLaw;
+use super::dense_newton::Derivatives;
 
 /// Half a wave under a strain.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +22,6 @@ pub(super) struct ChainEnergy {
     pub(super) segment: f64,
     pub(super) strain: f64,
 }
-
-/// Value, gradient and Hessian.
-type Derivatives = (f64, DVector<f64>, DMatrix<f64>);
 
 impl ChainEnergy {
     /// Rest length, m.
@@ -291,7 +289,7 @@ impl ChainEnergy {
 }
 
 /// Angle of a segment above the film's direction, with its derivatives.
-fn angle(edge: Vector2<f64>) -> (f64, Vector2<f64>, Matrix2<f64>) {
+pub(super) fn angle(edge: Vector2<f64>) -> (f64, Vector2<f64>, Matrix2<f64>) {
     let square = edge.norm_squared();
     let (x, z) = (edge.x, edge.y);
     let twice = Matrix2::new(2.0 * x * z, z * z - x * x, z * z - x * x, -2.0 * x * z);

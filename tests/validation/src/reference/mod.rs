@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`FilmTheory`] | the onset at finite strain | harmonics; the film's force stays at its onset |
 //! | [`Chain`] | plane strain, any slope, 64 points per wave | the second direction |
+//! | [`CreasedChain`] | plane strain, any slope, a crease with rest angle or anchor | the second direction |
 //! | [`Plate`] | two directions, any foundation `K(k)`, no mesh | strains and slopes of the second order |
 //! | [`DenseBlock`] | the onset of a skin and a block that are one volume | what follows the onset |
 //!
@@ -16,7 +17,9 @@
 mod analytic;
 mod chain;
 mod chain_energy;
+mod creased_chain;
 mod dense_block;
+mod dense_newton;
 mod fourier;
 mod height_field;
 mod periodic_mesh;
@@ -29,6 +32,7 @@ mod stretched_sheet;
 
 pub use analytic::{Anchor, BendingLaw, FilmTheory, Onset};
 pub use chain::{Chain, ChainState};
+pub use creased_chain::{CreasedChain, CreasedState, LinkLaw};
 pub use dense_block::DenseBlock;
 pub use fourier::Grid;
 pub use height_field::{HeightField, Orientation, noise, wave};

@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 use ruga_material::{CreaseLoad, Wrinkling, crease_depth, crease_profile};
 use ruga_mesh::EdgeId;
 use ruga_shell::{BendingModel, Crease, FoldSense, LayerParameters, LineAnchor};
+use ruga_validation::reference::{CreasedChain, CreasedState, LinkLaw};
 use ruga_validation::{
     FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, edges_within, unit_face, unit_film, upright,
 };
@@ -225,47 +226,60 @@ impl CreasedFilm {
     }
 }
 
-/// Base compressions at which a geometrically exact chain of hinges was solved, with 12 points per wavelength and
-/// a critical strain of 5 %.
+/// Base compressions in a film with a critical strain of 5 %.
 const COMPRESSIONS: [f64; 11] = [
     -0.10, -0.05, 0.0, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.10, 0.15,
 ];
 
-/// Depths in bending lengths and angles in degrees.
+/// Largest step of a chain beyond these: where its waves begin, longer ones take it to waves of another phase.
+const STEP: f64 = 0.002;
+
+/// In films whose crease is as deep as is wide, stretched, compressed, and beyond where they wrinkle from end to end.
 ///
-/// The chain's links obey Hooke, the membrane St. Venant and Kirchhoff: its force is `C (e - 1.5 e^2)`, 6 % less
-/// at 4 %, where a crease is about to give way. Beyond the critical strain the film wrinkles from end to
-/// end, and how deep the line lies then depends on its length: 0.87 to 0.82 at 15 % for 6 to 16
-/// wavelengths. The angle does not.
+/// Measured: depths within 1.3 % of those of a chain of the same spacing and 0.3 % beyond 5 % compression, angles
+/// within 1.4 %. Chains of 48 points are deeper by up to 2 % from 2 % compression on with a stiff crease and by up to
+/// 5 % with a soft one, and by up to 8 % where a stretch leaves a thirtieth of the bending length; their angles are
+/// larger by 2 to 5 %, and smaller by up to 13 % under stretch.
 #[test]
 fn large_creases_are_as_deep_as_in_a_chain_of_hinges() {
-    let stiff = [0.033, 0.049, 0.101, 0.171, 0.242, 0.340, 0.439, 0.512];
-    let angles = [17.0, 23.0, 28.0, 36.0, 43.0, 48.0, 55.0, 61.0, 71.0];
-    let soft = [0.038, 0.102, 0.228, 0.371, 0.482, 0.560];
-    let anchor = [0.246, 0.292, 0.327, 0.373, 0.425, 0.467];
-    for (shape, depths, start) in [
-        (crease(0.5, 30.0), &stiff[..], 0),
-        (crease(0.1, 30.0), &soft, 2),
-        (anchored(2.0, 0.5), &anchor, 2),
-    ] {
+    for shape in [crease(0.5, 30.0), crease(0.1, 30.0), anchored(2.0, 0.5)] {
         let mut film = CreasedFilm::new(0.05, 12);
         film.crease(&shape);
-        for (i, &strain) in COMPRESSIONS[start..].iter().enumerate() {
+        let chain = |points: usize| CreasedChain {
+            film: film.theory,
+            law: LinkLaw::Green,
+            waves: WAVES,
+            points,
+            lumped: 0.5,
+            crease: shape,
+        };
+        let same = in_small_steps(&chain(12));
+        let fine = chain(48).follow(&COMPRESSIONS, 0.0);
+        for (strain, (same, fine)) in COMPRESSIONS.into_iter().zip(same.iter().zip(&fine)) {
             film.compress(strain);
-            let (found, fold) = (film.depth(), film.fold());
-            if let Some(expected) = depths.get(i) {
-                // The depths expected are of linear springs along the film. Its membrane pushes back by
-                // `C (e - 1.5 e²)`, 6 % less at 4 %, where depths grow fastest.
-                let bound = 0.05 * expected + 0.002;
-                assert!(
-                    (found - expected).abs() < bound,
-                    "{shape:?} {strain}: {found}"
-                );
-            }
-            if start == 0 && i >= 2 {
-                let expected = angles[i - 2];
-                assert!((fold / expected - 1.0).abs() < 0.05, "{strain}: {fold}");
-            }
+            assert!(same.converged && fine.converged, "{shape:?} {strain}");
+            let off = |other: &CreasedState| {
+                let angle = film.fold() / other.angle.to_degrees();
+                [film.depth() / other.depth - 1.0, angle - 1.0]
+            };
+            let (same, fine) = (off(same), off(fine));
+            let case = format!("{shape:?} {strain}");
+            println!("{case}: same {same:.4?}, fine {fine:.4?}");
+            assert!(same.iter().all(|off| off.abs() < 0.03), "{case}: {same:?}");
+            assert!(fine[0].abs() < 0.085, "{case}: {fine:?}");
         }
     }
+}
+
+fn in_small_steps(chain: &CreasedChain) -> Vec<CreasedState> {
+    let mut all = vec![COMPRESSIONS[0]];
+    let mut wanted = vec![0];
+    for pair in COMPRESSIONS.windows(2) {
+        let way = pair[1] - pair[0];
+        let steps = (way / STEP).ceil() as u32;
+        all.extend((1..=steps).map(|i| pair[0] + way * f64::from(i) / f64::from(steps)));
+        wanted.push(all.len() - 1);
+    }
+    let states = chain.follow(&all, 0.0);
+    wanted.into_iter().map(|i| states[i]).collect()
 }

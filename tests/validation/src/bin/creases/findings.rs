@@ -2,13 +2,15 @@
 
 use ruga_solver::NewtonSettings;
 use ruga_validation::cantilever::{Fold, fold_over_theory};
-use ruga_validation::crease_cost::{band_cost, crease_cost};
+use ruga_validation::crease_cost::{band_cost, crease_cost, frame_cost};
 use ruga_validation::fold_panel::{FoldRun, measure_folds};
 use ruga_validation::ridge::sewn_ridge;
 use ruga_validation::virtual_nodes::projected_newton;
 use serde::{Deserialize, Serialize};
 
+use crate::block::Block;
 use crate::drifts::{Drift, drifts};
+use crate::hung::Hung;
 use crate::onsets::{Onset, onsets};
 use crate::pictures::Picture;
 
@@ -22,6 +24,8 @@ pub(crate) struct Findings {
     pub(crate) springs: Vec<Spring>,
     pub(crate) cost: Option<Cost>,
     pub(crate) pictures: Vec<Picture>,
+    pub(crate) blocks: Vec<Block>,
+    pub(crate) cloths: Vec<Hung>,
 }
 
 /// Where the paper's quasistatic way comes to rest.
@@ -47,6 +51,12 @@ pub(crate) struct Spring {
 pub(crate) struct Cost {
     /// Time of an assembly with ten lines over that without.
     pub(crate) assembly: f64,
+    /// Time of a frame with ten lines over that without.
+    pub(crate) frame: f64,
+    /// Newton steps of a frame without and with ten lines.
+    pub(crate) iterations: [usize; 2],
+    /// Processor seconds of a frame without and with ten lines.
+    pub(crate) seconds: [f64; 2],
     /// Triangles of a film with a line, and with a band in its place.
     pub(crate) faces: [usize; 2],
     /// Multiplications and additions of a factorisation, of both.
@@ -72,7 +82,7 @@ impl Findings {
             rest: Some(rest()),
             springs: springs(),
             cost: Some(cost()),
-            pictures: Vec::new(),
+            ..Self::default()
         }
     }
 }
@@ -118,9 +128,13 @@ fn springs() -> Vec<Spring> {
 
 fn cost() -> Cost {
     let creases = crease_cost(16, 10);
+    let frame = frame_cost(8, 10);
     let band = band_cost();
     Cost {
-        assembly: creases.seconds[1] / creases.seconds[0],
+        assembly: creases.share,
+        frame: frame.share,
+        iterations: frame.iterations,
+        seconds: frame.seconds,
         faces: band.faces,
         flops: band.factor.map(|own| own.flops),
         shortest: band.shortest,

@@ -10,8 +10,10 @@
     reason = "progress and findings are what the program is for"
 )]
 
+mod block;
 mod drifts;
 mod findings;
+mod hung;
 mod onsets;
 mod page;
 mod panels;
@@ -42,6 +44,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     } else {
         let mut findings = Findings::measure(quick);
         findings.pictures = pictures::draw_all(&folder)?;
+        eprintln!("cloths hung by corners");
+        findings.cloths = hung::draw_hung(&folder)?;
+        eprintln!("pressed blocks");
+        findings.blocks = block::draw_blocks(&folder)?;
         fs::write(&file, serde_json::to_string_pretty(&findings)?)?;
         findings
     };

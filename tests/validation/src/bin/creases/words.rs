@@ -3,8 +3,10 @@
 use ruga_material::crease_onset;
 use ruga_validation::fold_panel::{ELEMENTS, FoldRun, at_error, of_element};
 
+use crate::block::Block;
 use crate::drifts::WAYS;
 use crate::findings::Findings;
+use crate::hung::Hung;
 use crate::onsets::{NO_LINE, kappa};
 
 /// All of it, for people: the lines of the page, then tables.
@@ -42,13 +44,65 @@ pub(crate) fn words(findings: &Findings) -> String {
         "Pictures: triangles, processor seconds, fold in degrees, share of stretching".to_owned(),
     );
     lines.extend(findings.pictures.iter().map(|own| {
-        let failed = if own.converged { "" } else { ", NOT CONVERGED" };
         format!(
-            "  {:<14} {:>6} {:>7.1} {:>6.1} {:>6.3}  {}{failed}",
-            own.file, own.faces, own.seconds, own.fold, own.membrane, own.what
+            "  {:<14} {:>6} {:>7.1} {:>6.1} {:>6.3}  {}{}",
+            own.file,
+            own.faces,
+            own.seconds,
+            own.fold,
+            own.membrane,
+            own.what,
+            failed(own.converged)
         )
     }));
+    lines.extend(cloths(&findings.cloths));
+    lines.extend(blocks(&findings.blocks));
     lines.join("\n") + "\n"
+}
+
+fn cloths(cloths: &[Hung]) -> Vec<String> {
+    let head = "Cloth hung by two corners (hung.png, from left to right, a row after the other): triangles, \
+                processor ms, Newton steps, energy with that of the weight in mJ, angle along the line in degrees";
+    let mut lines = vec![String::new(), head.to_owned()];
+    lines.extend(cloths.iter().map(|own| {
+        format!(
+            "  {:<36} {:>5} {:>7.1} {:>4} {:>9.3} {:>6.1}{}",
+            own.what,
+            own.faces,
+            1e3 * own.seconds,
+            own.iterations,
+            1e3 * own.energy,
+            own.fold,
+            failed(own.converged)
+        )
+    }));
+    lines
+}
+
+fn blocks(blocks: &[Block]) -> Vec<String> {
+    let head = "Pressed block (block.png, from left to right): triangles of the skin, seconds, relief in mm; of every \
+                line the mean and the largest fold in degrees and the mean depth in mm";
+    let mut lines = vec![String::new(), head.to_owned()];
+    lines.extend(blocks.iter().map(|own| {
+        let folds = own.lines.iter().map(|line| {
+            let [mean, largest] = line.fold;
+            format!("  {mean:+.1} {largest:+.1} {:+.2}", 1e3 * line.depth)
+        });
+        format!(
+            "  {:<26} {:>5} {:>6.1} {:>6.2}{}{}",
+            own.what,
+            own.faces,
+            own.seconds,
+            1e3 * own.relief,
+            folds.collect::<String>(),
+            failed(own.converged)
+        )
+    }));
+    lines
+}
+
+fn failed(converged: bool) -> &'static str {
+    if converged { "" } else { ", NOT CONVERGED" }
 }
 
 /// The short lines of the page.
@@ -90,6 +144,15 @@ pub(crate) fn lines(findings: &Findings) -> Vec<String> {
         lines.push(format!(
             "Ten lines on one mesh: assembly {:+.1} %, no entry and no unknown",
             100.0 * (cost.assembly - 1.0)
+        ));
+        let step = |i: usize| 1e3 * cost.seconds[i] / cost.iterations[i] as f64;
+        lines.push(format!(
+            "    load step {:+.1} %; {:.1} and {:.1} ms a Newton step, {} and {} of them",
+            100.0 * (cost.frame - 1.0),
+            step(0),
+            step(1),
+            cost.iterations[0],
+            cost.iterations[1]
         ));
         lines.push(format!(
             "A band of small triangles instead of a line: {:.1} times the triangles,",
