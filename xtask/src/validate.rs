@@ -21,8 +21,8 @@ pub(crate) enum Study {
     /// What skins on soft bodies must show, measured and drawn: half an hour of processor time, two
     /// minutes if quick
     Bodies,
-    /// Sharp creases, ours and the paper's, measured and drawn, with pictures of folded sheets; a minute or
-    /// two
+    /// Sharp creases, ours and the paper's, measured and drawn, with pictures of folded sheets; two or three
+    /// minutes
     Creases,
     /// Curl of a burning sheet by natural curvature and by the paper's springs, measured and drawn, with pictures of
     /// the paper's scenes; five minutes, two if quick

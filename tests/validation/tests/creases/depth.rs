@@ -157,6 +157,32 @@ fn a_valley_is_never_a_ridge() {
     assert_eq!(film.fold(), 0.0);
 }
 
+/// Pressed and let go again, a furrow goes back the way it came, in twenty steps as in two hundred.
+#[test]
+fn a_furrow_keeps_nothing_of_the_way() {
+    let depths = |steps: u32| {
+        let mut film = CreasedFilm::new(0.05, 12);
+        film.crease(&crease(0.5, 5.0));
+        let half = steps / 2;
+        let ramp = (0..=half).chain((0..half).rev());
+        let strains = ramp.map(|step| 0.04 * f64::from(step) / f64::from(half));
+        let all: Vec<f64> = strains
+            .map(|strain| {
+                film.compress(strain);
+                film.depth()
+            })
+            .collect();
+        let quarter = all.len() / 4;
+        [quarter, 2 * quarter, 3 * quarter, 4 * quarter].map(|at| all[at])
+    };
+    let [few, many] = [20, 200].map(depths);
+    println!("depths on the way up, at the top, on the way down and at rest: {few:.4?} {many:.4?}");
+    for (few, many) in few.iter().zip(&many) {
+        assert!((few / many - 1.0).abs() < 0.02, "{few} {many}");
+    }
+    assert!((few[0] / few[2] - 1.0).abs() < 0.02, "{few:?}");
+}
+
 fn crease(stiffness: f64, degrees: f64) -> CreaseLoad {
     CreaseLoad {
         load: 0.0,

@@ -205,15 +205,15 @@ fn creases(drawn: &[Drawn]) -> String {
             .map(|shape| format!("{shape} = 1.0"))
             .collect();
         let drive = match shapes.is_empty() {
-            // The hand's are where a pose presses skin together by a third and more.
-            true => "absorb = true\n".to_owned(),
+            true => String::new(),
             false => format!(
                 "drive = \"weights\"\nweights = {{ {} }}\n",
                 weights.join(", ")
             ),
         };
+        // They are where poses press skin together the most.
         format!(
-            "[[creases]]\nname = \"{preset}-{number}\"\npreset = \"{preset}\"\nuv = {uv:?}\n{drive}\n"
+            "[[creases]]\nname = \"{preset}-{number}\"\npreset = \"{preset}\"\nuv = {uv:?}\n{drive}absorb = true\n\n"
         )
     };
     drawn.iter().enumerate().map(crease).collect()
