@@ -57,13 +57,15 @@ pub fn crease_depth(crease: &CreaseLoad) -> Option<f64> {
     (resistance > 0.0).then_some(depth)
 }
 
-/// Reduced stiffness beyond which a line is as good as none.
+/// Reduced stiffness from which on a line counts as this stiff: an infinite one would be infinity over infinity.
 const RIGID: f64 = 1e6;
 
-/// Force with which the springs of a crease pull its line down, over `K0 l²`: per bending length of it `a (d - δ)/l`, of
-/// the depth of [`crease_depth`] and, from the load on at which the line gives way by itself, of that at this load.
+/// Force per length with which an anchor pulls its line, over `K0 l²`: `a (d - δ)/l`, with `δ` from [`crease_depth`] and,
+/// at loads above [`crease_onset`], as it is at the onset. Positive downwards.
 ///
-/// The foundation carries it, so that the mean height of the film beside the line is as much below zero as that.
+/// The foundation carries it, so that the mean height of the film beside the line is as much below zero.
+/// Zero where the line lies deeper by itself than the anchor wants it: there large deflections limit the depth, of
+/// which the linear theory knows nothing.
 ///
 /// # Validity
 /// As [`crease_depth`].
@@ -77,8 +79,14 @@ pub fn anchor_pull(crease: &CreaseLoad) -> f64 {
         stiffness,
         ..*crease
     };
+    // At the onset itself rounding may leave no resistance; the depth is then what the anchor wants.
     let depth = crease_depth(&below_onset).unwrap_or(crease.anchor_depth);
-    crease.anchor * (crease.anchor_depth - depth)
+    let lack = crease.anchor_depth - depth;
+    if lack * crease.anchor_depth > 0.0 {
+        crease.anchor * lack
+    } else {
+        0.0
+    }
 }
 
 /// Height at a `distance` from a crease of unit depth that is not anchored, both over the bending length

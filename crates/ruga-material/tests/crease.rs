@@ -103,8 +103,7 @@ fn the_profile_is_in_equilibrium() {
     assert_eq!(crease_profile(1.0, 0.0), None);
 }
 
-/// Springs pull as far as the line is above their depth, up to the load at which it gives way by itself; from there on
-/// as at that load.
+/// Springs pull as far as the line is above their depth, and not where it lies deeper by itself.
 #[test]
 fn an_anchor_pulls_by_what_the_line_lacks() {
     let held = CreaseLoad {
@@ -122,11 +121,28 @@ fn an_anchor_pulls_by_what_the_line_lacks() {
         }),
         0.0
     );
+    // A ridge is a valley upside down; one that is to be a valley is harder to pull down.
+    let turned = |rest_angle: f64, anchor_depth: f64| {
+        anchor_pull(&CreaseLoad {
+            rest_angle,
+            anchor_depth,
+            ..held
+        })
+    };
+    assert_eq!(turned(-0.1, -0.5), -turned(0.1, 0.5));
+    assert!(turned(-0.1, 0.5) > turned(0.1, 0.5));
+    // Its angle alone takes the line deeper, and an anchor of no depth takes nothing down.
+    assert_eq!(turned(0.8, 0.05), 0.0);
+    assert_eq!(turned(0.1, 0.0), 0.0);
+    let flat = CreaseLoad {
+        rest_angle: 0.0,
+        ..held
+    };
+    // Without a rest angle the line has come to its depth at the onset, and the springs pull no more.
     let onset = crease_onset(held.stiffness);
-    let [at, beyond] = [onset, 3.0].map(|load| anchor_pull(&CreaseLoad { load, ..held }));
-    assert_eq!(at, beyond);
-    // The resting angle alone takes it deeper than the springs there.
-    assert!(at < 0.0);
+    for load in [onset, 3.0] {
+        assert!(anchor_pull(&CreaseLoad { load, ..flat }).abs() < 1e-9);
+    }
     for stiffness in [0.0, 1e9, f64::INFINITY] {
         for load in [-1e6, 0.0, 1.0] {
             let pull = anchor_pull(&CreaseLoad {

@@ -5,12 +5,12 @@ mod patch;
 
 use std::collections::BTreeMap;
 
-use creased::{crease, creased, depth, shortened};
+use creased::{Frames, crease, crease_through, creased, depth, shortened};
+use nalgebra::Vector2;
 use patch::{SIDE, draft, driver, pose, skin};
 use ruga_material::{CreaseLoad, crease_depth, crease_profile, wrinkling};
 use ruga_stepper::{
-    Coupling, CreaseAnchor, CreaseSpec, Frame, LayerSpec, Modelling, Observer, PoseSpec, Silent,
-    plan,
+    Coupling, CreaseAnchor, CreaseSpec, LayerSpec, Modelling, Observer, PoseSpec, Silent, plan,
 };
 
 /// Below the strain at which skin wrinkles, a furrow is as deep as the linear theory says, wherever the line
@@ -111,38 +111,86 @@ fn a_furrow_has_the_shape_of_theory() {
     }
 }
 
+/// Depth of a furrow with averaging constraints over that without.
+fn averaged(spec: &CreaseSpec, strain: f64) -> f64 {
+    let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
+        let layer = creased(spec.clone(), coupling);
+        depth(&shortened(&layer, strain, &Modelling::standard()))
+    });
+    hybrid / elastic
+}
+
+/// A crease with an angle (degrees) and an anchor.
+fn anchored(spec: CreaseSpec, degrees: f64, anchor: CreaseAnchor) -> CreaseSpec {
+    let mut spec = CreaseSpec {
+        anchor: Some(anchor),
+        ..spec
+    };
+    spec.law.angle = f64::to_radians(degrees);
+    spec
+}
+
 /// An anchor draws a line to the same depth with averaging constraints and without, a soft one too, wherever the line
-/// lies among them: what it pulls with is carried by the foundation, and they let it.
+/// lies among them: what it pulls with is carried by the foundation, and they let it. Before they did, a soft one lost
+/// 12 to 22 % and a stiff one 3 to 6.
 #[test]
 fn averages_leave_an_anchor_its_depth() {
-    for stiffness in [2.0, 20.0] {
+    // Measured: 0.950 to 1.052, the highest where skin is stretched, and 0.993 to 1.003.
+    for (stiffness, bounds) in [(2.0, 0.94..1.06), (20.0, 0.985..1.01)] {
         for (slant, strain) in [(0.0, -0.02), (0.03, 0.0), (0.06, 0.018), (0.09, 0.04)] {
-            let mut spec = crease(&driver(), slant);
-            spec.law.angle = 0.0;
-            spec.anchor = Some(CreaseAnchor {
+            let anchor = CreaseAnchor {
                 depth: 2e-4,
                 stiffness,
-            });
-            let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
-                let layer = creased(spec.clone(), coupling);
-                depth(&shortened(&layer, strain, &Modelling::standard()))
-            });
-            let ratio = hybrid / elastic;
+            };
+            let ratio = averaged(&anchored(crease(&driver(), slant), 0.0, anchor), strain);
             println!("anchor {stiffness}, slant {slant}, strain {strain}: {ratio:.4}");
-            assert!((0.94..1.05).contains(&ratio), "{hybrid} {elastic}");
+            assert!(
+                bounds.contains(&ratio),
+                "{stiffness} {slant} {strain}: {ratio}"
+            );
         }
     }
 }
 
-/// Wants every load step.
-struct Frames;
-
-impl Observer for Frames {
-    fn wants_frames(&self) -> bool {
-        true
+/// Of a line that is to fold by 40 degrees too, at rest; pressed until it folds by itself large deflections limit its
+/// depth, of which the theory of what the anchor pulls with knows nothing. Measured: 0.977 to 0.993 at rest; 0.83 to 0.91 and
+/// 0.94 to 0.99 where it folds by itself; 0.94 to 1.02 where the skin wrinkles as well.
+#[test]
+fn averages_leave_an_anchored_fold_most_of_its_depth() {
+    for (stiffness, strain, bounds) in [
+        (2.0, 0.0, 0.96..1.01),
+        (2.0, 0.045, 0.81..0.95),
+        (2.0, 0.08, 0.92..1.04),
+        (20.0, 0.0, 0.97..1.01),
+        (20.0, 0.045, 0.92..1.0),
+        (20.0, 0.08, 0.96..1.03),
+    ] {
+        for depth in [4e-4, 1e-3] {
+            let anchor = CreaseAnchor { depth, stiffness };
+            let ratio = averaged(&anchored(crease(&driver(), 0.03), 40.0, anchor), strain);
+            println!("anchor {stiffness} to {depth} m, strain {strain}: {ratio:.4}");
+            assert!(
+                bounds.contains(&ratio),
+                "{stiffness} {depth} {strain}: {ratio}"
+            );
+        }
     }
+}
 
-    fn frame(&mut self, _: &Frame<'_>) {}
+/// Compression along a line does not fold it, and takes nothing of what its anchor has to pull.
+#[test]
+fn averages_leave_an_anchor_its_depth_where_skin_is_pressed_along_it() {
+    let ends = vec![Vector2::new(0.1, 0.5), Vector2::new(0.9, 0.5)];
+    let line = crease_through(&driver(), ends, false);
+    for (stiffness, least) in [(2.0, 0.9), (20.0, 0.97)] {
+        let anchor = CreaseAnchor {
+            depth: 2e-4,
+            stiffness,
+        };
+        let ratio = averaged(&anchored(line.clone(), 0.0, anchor), 0.035);
+        println!("anchor {stiffness}: {ratio:.4}");
+        assert!(ratio > least && ratio < 1.05, "{stiffness}: {ratio}");
+    }
 }
 
 /// A soft line folds at half the strain at which the skin wrinkles. Beyond both, the state is the same however it is
@@ -182,8 +230,8 @@ fn two_onsets_lead_to_one_state() {
         assert!(close(direct.wavelength, wave) < 0.1);
         let others = [
             reached(&line, &[0.5, 0.75, 1.0], 4, &mut Silent),
-            reached(&line, &[1.0], 8, &mut Frames),
-            reached(&line, &[1.0], 20, &mut Frames),
+            reached(&line, &[1.0], 8, &mut Frames(0)),
+            reached(&line, &[1.0], 20, &mut Frames(0)),
         ];
         for other in others {
             assert!((other.creases[0].fold / fold - 1.0).abs() < 1e-3);

@@ -3,14 +3,14 @@
 mod creased;
 mod patch;
 
-use creased::{crease, creased, depth, shortened};
+use creased::{Frames, crease, crease_through, creased, depth, shortened};
 use nalgebra::Vector2;
 use patch::{SIDE, draft, driver, pose, skin};
-use ruga_crease::{Corners, Drive, LineInput, LineLaw, LineTracer};
+use ruga_crease::{Drive, LineLaw};
 use ruga_material::{capped_strain, wrinkling};
 use ruga_stepper::{
-    Coupling, CreaseAnchor, CreaseSpec, FoldSample, FoldSense, Frame, LayerSpec, Modelling,
-    Observer, PoseSpec, Region, Silent, Stack, plan,
+    Coupling, CreaseAnchor, CreaseSpec, FoldSample, FoldSense, LayerSpec, Modelling, Observer,
+    PoseSpec, Region, Silent, Stack, plan,
 };
 
 /// A line that only gives way folds before the skin wrinkles, to its own side, and shows in the maps; far
@@ -63,19 +63,6 @@ fn an_anchor_lets_go_of_a_line_that_is_not_drawn() {
     });
     assert!(free > 0.3, "{free}");
     assert_eq!(anchored, free);
-}
-
-/// Wants every load step.
-struct Frames(usize);
-
-impl Observer for Frames {
-    fn wants_frames(&self) -> bool {
-        true
-    }
-
-    fn frame(&mut self, _: &Frame<'_>) {
-        self.0 += 1;
-    }
 }
 
 /// From load step to load step, in twenty or in four, and on an even mesh a furrow becomes what it is in one key.
@@ -305,16 +292,8 @@ fn creases_that_meet_take_up_no_skin_twice() {
     const STRAIN: f64 = 0.3;
     let driver = driver();
     let traced = |points: Vec<Vector2<f64>>, is_closed: bool| CreaseSpec {
-        line: LineTracer::new(driver.topology(), driver.rest())
-            .with_uvs(driver.uvs())
-            .trace(&LineInput::Uv {
-                points,
-                is_closed,
-                corners: Corners::Round,
-            })
-            .expect("a line on the patch"),
         absorbs: true,
-        ..crease(&driver, 0.0)
+        ..crease_through(&driver, points, is_closed)
     };
     let across = |x: f64| traced(vec![Vector2::new(x, 0.9), Vector2::new(x, 0.1)], false);
     let aslant = |shift: f64| {
@@ -356,15 +335,18 @@ fn creases_that_meet_take_up_no_skin_twice() {
     let [one, beside, crossing, ring] = taken;
     let layer = skin("forehead-furrow", Coupling::Elastic);
     let wave = wrinkling(&layer.material, &layer.substrate, layer.model).expect("a preset");
-    // Bands reach as far, but what lies between the lines is taken in full.
+    // Bands reach as far, but what lies between the lines is taken in full: of a band of one line all up to 0.7 of a
+    // wavelength on either side, and half of what is from there to its end.
     let wider = 1.0 + 0.05 * SIDE / (2.0 * 0.85 * wave.wavelength);
     assert!(
         (beside / one / wider - 1.0).abs() < 0.05,
         "{beside} {one} {wider}"
     );
+    // Two that cross share a square of each other's bands, and a ring half a patch wide is as long as its inside is
+    // narrow. Measured: 1.36 and 0.99 of one.
+    assert!((crossing / one - 1.36).abs() < 0.07, "{crossing} {one}");
     assert!(
-        crossing > 1.2 * one && crossing < 1.9 * one,
-        "{crossing} {one}"
+        (ring / one - 0.99).abs() < 0.05 && ring < none,
+        "{ring} {one}"
     );
-    assert!(ring > 0.5 * one && ring < none, "{ring} {none}");
 }

@@ -1,6 +1,6 @@
 //! What the surface below a layer asks of it: applied strains, and their ratio to the critical ones.
 
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 use ruga_blend::{FaceStrain, face_strains};
 use ruga_material::capped_strain;
@@ -36,6 +36,18 @@ impl StrainRatios<'_> {
     /// The ratio of one face.
     pub(crate) fn of_face(&self, face: FaceId) -> f64 {
         self.of_face_at(self.fractions[face], face)
+    }
+
+    /// The compression across a line through a face that is loaded, with what compression along it adds, `en + nu et`;
+    /// `across` is a unit vector in the face's frame at rest.
+    pub(crate) fn across(&self, face: FaceId, across: &Vector2<f64>) -> f64 {
+        let [first, second] = self
+            .capped(face)
+            .map(|strain| loaded(strain, self.fractions[face]));
+        let share = self.strains[face].direction.dot(across).powi(2);
+        let [over, along] =
+            [share, 1.0 - share].map(|share| share * first + (1.0 - share) * second);
+        over + self.poisson * along
     }
 
     /// The ratios of all faces.

@@ -4,7 +4,8 @@ use nalgebra::Vector2;
 use ruga_blend::Driver;
 use ruga_crease::{Corners, CreaseMemory, Drive, LineInput, LineLaw, LineTracer};
 use ruga_stepper::{
-    Coupling, CreaseSpec, FoldSense, LayerSpec, Modelling, PoseResult, PoseSpec, Silent, plan,
+    Coupling, CreaseSpec, FoldSense, Frame, LayerSpec, Modelling, Observer, PoseResult, PoseSpec,
+    Silent, plan,
 };
 
 use crate::patch::{SIDE, driver, pose, skin};
@@ -14,15 +15,24 @@ pub(crate) const WIDTH: f64 = 5e-4;
 
 /// A straight crease across the middle of the patch, from below to above.
 pub(crate) fn crease(driver: &Driver, slant: f64) -> CreaseSpec {
-    let points = vec![
+    let ends = [
         Vector2::new(0.5 - slant, 0.9),
         Vector2::new(0.5 + slant, 0.1),
     ];
+    crease_through(driver, ends.to_vec(), false)
+}
+
+/// A crease through texture coordinates.
+pub(crate) fn crease_through(
+    driver: &Driver,
+    points: Vec<Vector2<f64>>,
+    is_closed: bool,
+) -> CreaseSpec {
     let tracer = LineTracer::new(driver.topology(), driver.rest()).with_uvs(driver.uvs());
     let line = tracer.trace(&LineInput::Uv {
         points,
-        is_closed: false,
-        corners: Corners::Keep,
+        is_closed,
+        corners: Corners::Round,
     });
     CreaseSpec {
         name: "line".into(),
@@ -43,6 +53,7 @@ pub(crate) fn crease(driver: &Driver, slant: f64) -> CreaseSpec {
     }
 }
 
+/// The forehead preset's layer with a crease.
 pub(crate) fn creased(crease: CreaseSpec, coupling: Coupling) -> LayerSpec {
     LayerSpec {
         creases: vec![crease],
@@ -71,4 +82,17 @@ pub(crate) fn depth(result: &PoseResult) -> f64 {
     let in_middle = places.filter(|(p, _)| (p.y - 0.5 * SIDE).abs() < 0.1 * SIDE);
     // It is the deepest place there is.
     in_middle.map(|(p, x)| p.z - x.z).fold(f64::MIN, f64::max)
+}
+
+/// Wants every load step.
+pub(crate) struct Frames(pub(crate) usize);
+
+impl Observer for Frames {
+    fn wants_frames(&self) -> bool {
+        true
+    }
+
+    fn frame(&mut self, _: &Frame<'_>) {
+        self.0 += 1;
+    }
 }

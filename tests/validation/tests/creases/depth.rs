@@ -260,15 +260,20 @@ const COMPRESSIONS: [f64; 11] = [
 /// Largest step of a chain beyond these: where its waves begin, longer ones take it to waves of another phase.
 const STEP: f64 = 0.002;
 
-/// In films whose crease is as deep as is wide, stretched, compressed, and beyond where they wrinkle from end to end.
+/// Films that are stretched, compressed, and pressed beyond where they wrinkle from end to end, against chains.
 ///
-/// Measured: depths within 1.3 % of those of a chain of the same spacing and 0.3 % beyond 5 % compression, angles
-/// within 1.4 %. Chains of 48 points are deeper by up to 2 % from 2 % compression on with a stiff crease and by up to
-/// 5 % with a soft one, and by up to 8 % where a stretch leaves a thirtieth of the bending length; their angles are
-/// larger by 2 to 5 %, and smaller by up to 13 % under stretch.
+/// Measured: depths and angles within 0.6 % of those of a chain of the same spacing with a stiff crease, 1.3 % with a
+/// soft one, and 0.7 % with an anchor. Chains of 48 points are deeper by up to 4 % with a stiff crease and by up to 5 %
+/// with a soft one, by 0.4 % with an anchor, and by up to 8 % where a stretch leaves a thirtieth of the bending length;
+/// their angles are larger by 2 to 5 %, and smaller by up to 13 % under stretch. They are compared up to the critical
+/// strain, as so long steps beyond it take their waves to another phase.
 #[test]
 fn large_creases_are_as_deep_as_in_a_chain_of_hinges() {
-    for shape in [crease(0.5, 30.0), crease(0.1, 30.0), anchored(2.0, 0.5)] {
+    for (shape, near, far) in [
+        (crease(0.5, 30.0), 0.01, [0.05, 0.085]),
+        (crease(0.1, 30.0), 0.02, [0.06, 0.06]),
+        (anchored(2.0, 0.5), 0.01, [0.01, 0.01]),
+    ] {
         let mut film = CreasedFilm::new(0.05, 12);
         film.crease(&shape);
         let chain = |points: usize| CreasedChain {
@@ -291,12 +296,15 @@ fn large_creases_are_as_deep_as_in_a_chain_of_hinges() {
             let (same, fine) = (off(same), off(fine));
             let case = format!("{shape:?} {strain}");
             println!("{case}: same {same:.4?}, fine {fine:.4?}");
-            assert!(same.iter().all(|off| off.abs() < 0.03), "{case}: {same:?}");
-            assert!(fine[0].abs() < 0.085, "{case}: {fine:?}");
+            assert!(same.iter().all(|off| off.abs() < near), "{case}: {same:?}");
+            let bound = far[usize::from(strain < 0.0)];
+            assert!(strain > 0.05 || fine[0].abs() < bound, "{case}: {fine:?}");
+            assert!(strain > 0.05 || fine[1].abs() < 0.15, "{case}: {fine:?}");
         }
     }
 }
 
+/// The states of a chain at [`COMPRESSIONS`], reached in small steps.
 fn in_small_steps(chain: &CreasedChain) -> Vec<CreasedState> {
     let mut all = vec![COMPRESSIONS[0]];
     let mut wanted = vec![0];

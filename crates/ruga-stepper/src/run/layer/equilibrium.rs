@@ -132,13 +132,17 @@ impl Layer {
             // the right side.
             return Ok(solid.row_targets());
         }
+        let mut targets = vec![0.0; self.rows.count()];
+        if targets.is_empty() {
+            return Ok(targets);
+        }
         let mut base = self.base.clone();
+        // Where rows act alone nothing else carries what an anchor pulls with.
         if self.spec.coupling.has_foundation() {
             for (v, way) in self.drawn_down() {
                 base[v] -= way * self.support.posed.normals[v];
             }
         }
-        let mut targets = vec![0.0; self.rows.count()];
         self.rows.mul(&gather(&self.free, &base), &mut targets)?;
         Ok(targets)
     }

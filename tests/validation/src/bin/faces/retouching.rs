@@ -22,7 +22,8 @@ const NEUTRAL_DEG: f64 = 0.2;
 /// Strain ratio below which skin is quiet: it does not wrinkle.
 const QUIET: f64 = 0.5;
 
-/// Length of a way of straight and slanting steps from texel to texel over that of the straight way, at most.
+/// Length of a way of straight and slanting steps from texel to texel over that of the straight way, at most: at half of
+/// the angle between the two, `1/cos(22.5°)`.
 const STEPPED: f64 = 1.083;
 
 /// Largest fraction of the relief's energy in wavelengths under 40 % of the critical one, percent.
@@ -159,7 +160,8 @@ struct Asked {
     /// Whether no layer is strained there to half of what wrinkles it.
     is_quiet: Vec<bool>,
     /// Distance from other skin (texels) beyond which it is a quarter of the longest wavelength away, whichever way
-    /// the texture is stretched.
+    /// the texture is stretched. Relief fades by distances on the skin: with those in the texture, what is shown there
+    /// was smooth skin with room where the texture runs closer the other way.
     room: Vec<f32>,
 }
 
