@@ -16,7 +16,8 @@ const TENSION: f64 = 120.0;
 const THICKNESS: f64 = 0.01;
 const POISSON: f64 = 0.3;
 
-/// Weight per area, Pa: the cloth bends by itself over a fifth of its width.
+/// Weight per area, Pa, towards a corner between the two that it hangs by: the cloth bends by itself over a fifth of its
+/// width.
 const WEIGHT: Vector3<f64> = Vector3::new(-0.1, -0.1, 0.0);
 
 /// Ends of the line: the corners by which the cloth is hung.
@@ -26,7 +27,7 @@ const ENDS: [[f64; 2]; 2] = [[0.0, 1.0], [1.0, 0.0]];
 /// through a vertex.
 const INSET: f64 = 0.02;
 
-/// Stiffness of the line over the bending modulus of the cloth on its unit of length.
+/// Stiffness of the line over the bending modulus of the cloth, times 1 m.
 const STIFFNESS: f64 = 4.0;
 
 /// Angle by which the upper half is bent before it falls, rad.

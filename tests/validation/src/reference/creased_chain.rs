@@ -15,6 +15,11 @@ use ruga_material::{CreaseLoad, Wrinkling};
 use super::chain_energy::angle;
 use super::dense_newton::{Derivatives, newton};
 
+/// Compressions of the base at which films and chains are compared; the film wrinkles at 0.05.
+pub const COMPRESSIONS: [f64; 11] = [
+    -0.10, -0.05, 0.0, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.10, 0.15,
+];
+
 /// How a link resists a change of its length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkLaw {
@@ -320,10 +325,6 @@ mod tests {
     use super::*;
     use crate::unit_film;
 
-    const COMPRESSIONS: [f64; 11] = [
-        -0.10, -0.05, 0.0, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.10, 0.15,
-    ];
-
     fn crease(stiffness: f64, degrees: f64) -> CreaseLoad {
         CreaseLoad {
             load: 0.0,
@@ -342,7 +343,7 @@ mod tests {
         }
     }
 
-    /// A chain of four wavelengths of linear links on springs at its nodes: a prototype that shares no code with this.
+    /// A chain of four wavelengths of linear links on springs at its nodes, as that of the prototype from which the table is.
     fn prototype(crease: CreaseLoad) -> CreasedChain {
         CreasedChain {
             film: unit_film(0.05).0,

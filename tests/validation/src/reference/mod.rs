@@ -32,7 +32,7 @@ mod stretched_sheet;
 
 pub use analytic::{Anchor, BendingLaw, FilmTheory, Onset};
 pub use chain::{Chain, ChainState};
-pub use creased_chain::{CreasedChain, CreasedState, LinkLaw};
+pub use creased_chain::{COMPRESSIONS, CreasedChain, CreasedState, LinkLaw};
 pub use dense_block::DenseBlock;
 pub use fourier::Grid;
 pub use height_field::{HeightField, Orientation, noise, wave};

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use ruga_material::{CreaseLoad, Wrinkling, crease_depth, crease_profile};
 use ruga_mesh::EdgeId;
 use ruga_shell::{BendingModel, Crease, FoldSense, LayerParameters, LineAnchor};
-use ruga_validation::reference::{CreasedChain, CreasedState, LinkLaw};
+use ruga_validation::reference::{COMPRESSIONS, CreasedChain, CreasedState, LinkLaw};
 use ruga_validation::{
     FilmCoupling, FilmSpec, Sheet, SheetSpec, Strip, edges_within, unit_face, unit_film, upright,
 };
@@ -252,12 +252,7 @@ impl CreasedFilm {
     }
 }
 
-/// Base compressions in a film with a critical strain of 5 %.
-const COMPRESSIONS: [f64; 11] = [
-    -0.10, -0.05, 0.0, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.10, 0.15,
-];
-
-/// Largest step of a chain beyond these: where its waves begin, longer ones take it to waves of another phase.
+/// Largest step of a chain beyond [`COMPRESSIONS`]: where its waves begin, longer ones take it to waves of another phase.
 const STEP: f64 = 0.002;
 
 /// Films that are stretched, compressed, and pressed beyond where they wrinkle from end to end, against chains.
