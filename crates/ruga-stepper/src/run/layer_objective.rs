@@ -49,8 +49,7 @@ impl LayerObjective<'_> {
 
     /// Dead load and inertia of the layer's free vertices, J.
     fn loads(&self, own: &[f64]) -> f64 {
-        let terms = self.reaction.iter().zip(own).zip(self.base);
-        let work: f64 = terms.map(|((force, x), base)| force * (x - base)).sum();
+        let work = work([self.reaction, self.base], own);
         let terms = self.inertia().zip(own);
         let kinetic: f64 = terms.map(|((w, c), x)| 0.5 * w * (x - c) * (x - c)).sum();
         // A dead load lowers the energy by its work.
@@ -150,6 +149,12 @@ impl Objective for LayerObjective<'_> {
     fn length_scale(&self) -> f64 {
         self.thickness
     }
+}
+
+/// Work of a dead load at the coordinates `x` (m), from where it does none, J: the load of each, N, and that place, m.
+pub(crate) fn work([force, base]: [&[f64]; 2], x: &[f64]) -> f64 {
+    let terms = force.iter().zip(x).zip(base);
+    terms.map(|((force, x), base)| force * (x - base)).sum()
 }
 
 /// Coordinates of the vertices that move, one after the other.

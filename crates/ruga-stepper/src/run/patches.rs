@@ -9,6 +9,7 @@
 //! An averaging constraint reaches over several patches. The one with most of its weight restores it; in
 //! the others the sum over their own vertices stays as it is, so that they cannot violate it.
 
+mod ahead;
 mod division;
 mod patch;
 mod sweep;
@@ -20,10 +21,13 @@ use rayon::prelude::*;
 use ruga_mesh::TriMesh;
 use ruga_shell::{LayerEnergy, PartIndex};
 use ruga_solver::{
-    ConstraintRows, Iteration, Minimise, NewtonSettings, SolveReport, SolverError, StopRule,
+    AtSaddle, ConstraintRows, Iteration, Minimise, NewtonSettings, SolveReport, SolverError,
+    StopRule,
 };
 
+use crate::run::layer_objective::work;
 use crate::run::neighbourhood::Neighbourhood;
+use ahead::Ahead;
 use division::{coloured, divided};
 use patch::{Patch, PatchRow, Solved, coordinates};
 use sweep::{Next, Order};
@@ -54,6 +58,8 @@ pub(crate) struct Patches {
     patches: Vec<Patch>,
     order: Order,
     width: Width,
+    /// Gain of a second sweep over that of the first, in the last solve that took two.
+    second: f64,
     /// Whether what patches are solved with is kept from one solve to the next of a key: quicker, but too much memory
     /// where the layer is large.
     keeps: bool,
@@ -85,6 +91,44 @@ pub(crate) struct Scales<'a> {
     pub(crate) wrinkling: &'a ruga_material::Wrinkling,
     /// Thickness of the layer, m.
     pub(crate) thickness: f64,
+}
+
+impl Whole<'_> {
+    /// Energy at the free vertices' coordinates `x` (m), J.
+    fn value(&self, x: &[f64]) -> f64 {
+        self.energy.value(&self.placed(x)) - work(self.load, x)
+    }
+
+    /// Its derivative by them, N.
+    fn gradient(&self, x: &[f64]) -> Vec<f64> {
+        let mut gradient = vec![0.0; x.len()];
+        self.energy.gradient(&self.placed(x), &mut gradient);
+        for (gradient, force) in gradient.iter_mut().zip(self.load[0]) {
+            *gradient -= force;
+        }
+        gradient
+    }
+
+    /// What every row lacks of its right-hand side.
+    ///
+    /// Patches hold what they share of a row, up to their tolerance and the thousandth that they do not know of. What
+    /// that leaves is restored in the next sweep.
+    fn missing(&self, x: &[f64]) -> Result<Vec<f64>, SolverError> {
+        let mut missing = vec![0.0; self.targets.len()];
+        self.rows.mul(x, &mut missing)?;
+        for (missing, target) in missing.iter_mut().zip(self.targets) {
+            *missing = target - *missing;
+        }
+        Ok(missing)
+    }
+
+    fn placed(&self, x: &[f64]) -> Vec<Vector3<f64>> {
+        let mut positions = self.positions.to_vec();
+        for (&v, x) in self.energy.free_vertices().iter().zip(x.chunks_exact(3)) {
+            positions[v as usize] = Vector3::from_column_slice(x);
+        }
+        positions
+    }
 }
 
 impl Patches {
@@ -123,6 +167,7 @@ impl Patches {
             patches,
             order,
             width,
+            second: f64::INFINITY,
             keeps: !Width::Wide.suits(free.len(), most_in_whole),
         })
     }
@@ -134,8 +179,10 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has, to `settings`.
-    /// Sweeps that do not get there end without, as the patches' width says.
+    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has: in the first one
+    /// to `settings`, later to [`LITTLE`], which a whole step then leaves the square of. Of a state that is only
+    /// passed the second sweep is left out where it would gain no more, by what it did in the solve before.
+    /// Sweeps that do not get there, with a step [`Ahead`] after each, end without, as the patches' width says.
     /// `keep_going` is asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,
@@ -154,21 +201,22 @@ impl Patches {
         let mut done = Work::default();
         let (mut before, mut sweeps) = (f64::INFINITY, 0);
         let (index, keeps) = (&self.index, self.keeps);
+        let later = NewtonSettings {
+            energy_tolerance: settings.energy_tolerance.max(LITTLE),
+            ..settings.clone()
+        };
+        let mut ahead = Ahead::default();
         loop {
-            // Patches hold what they share of a row, up to their tolerance and the thousandth that they do not know
-            // of. What that leaves is restored in the next sweep.
-            let mut missing = vec![0.0; whole.targets.len()];
-            whole.rows.mul(x, &mut missing)?;
-            for (missing, target) in missing.iter_mut().zip(whole.targets) {
-                *missing = target - *missing;
-            }
+            let accuracy = if sweeps == 0 { settings } else { &later };
+            let start = x.to_vec();
+            let missing = whole.missing(x)?;
             // What is shown, which depends on who is done first.
             let mut shown = done.clone();
             let mut is_stopped = false;
             let solved = self.order.sweep(
                 &mut self.patches,
                 (x, &mut is_due),
-                |patch, x| patch.solve((whole, index), (x, &missing), (minimise, settings), keeps),
+                |patch, x| patch.solve((whole, index), (x, &missing), (minimise, accuracy), keeps),
                 |patch: &Patch, solved: &Result<Solved, SolverError>, (x, is_due)| {
                     let Ok(solved) = solved else {
                         return Next::Fail;
@@ -189,8 +237,14 @@ impl Patches {
                 },
             );
             let mut gained = 0.0;
+            let mut moved = Vec::new();
             for (i, solved) in solved.into_iter().enumerate() {
                 if let Some(solved) = solved.transpose()? {
+                    let report = &solved.report;
+                    is_due[i] |= report.converged && report.decrement > settings.energy_tolerance;
+                    if solved.gain.abs() > tolerated * self.patches[i].share {
+                        moved.push(i);
+                    }
                     gained += solved.gain.abs();
                     done.add(&solved.report, self.patches[i].share);
                     reports[i] = Some(solved.report);
@@ -199,10 +253,15 @@ impl Patches {
             if is_stopped {
                 return Ok(done.report(&reports, Some(StopRule::Interrupted)));
             }
+            if sweeps == 1 {
+                self.second = gained / before;
+            }
             // One that has not converged may have, once its neighbours have moved.
             let is_nobody_due = is_due.iter().all(|due| !due);
             let has_converged = reports.iter().flatten().all(|report| report.converged);
-            if gained <= little && has_converged || is_nobody_due {
+            let is_passed = sweeps == 0 && settings.at_saddle == AtSaddle::Pass;
+            let is_little = gained <= little || is_passed && gained * self.second <= little;
+            if is_little && has_converged || is_nobody_due {
                 return Ok(done.report(&reports, None));
             }
             sweeps += 1;
@@ -210,6 +269,10 @@ impl Patches {
                 return Ok(done.report(&reports, Some(StopRule::IterationLimit)));
             }
             before = gained;
+            // The first one still finds the equilibrium of every patch, and restores averages.
+            if sweeps > 1 && ahead.step(&whole, &start, x) {
+                moved.into_iter().for_each(|i| is_due[i] = true);
+            }
         }
     }
 }

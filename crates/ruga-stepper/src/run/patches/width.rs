@@ -21,8 +21,9 @@ const WIDER: usize = 2;
 /// with others.
 const SLOWLY: f64 = 0.75;
 
-/// Sweeps that are still waited for where they gain so slowly: wide patches would begin with all of the layer again.
-const WORTH_WAITING: i32 = 3;
+/// Share of such a gain that some more sweeps leave, with a step ahead after each. More of it to go is not waited
+/// for; less is, because wide patches would begin with all of the layer again.
+const LEFT: f64 = 0.2;
 
 /// Sweeps of wide patches, after which nothing else is tried.
 const MOST_SWEEPS: usize = 30;
@@ -56,7 +57,7 @@ impl Width {
     /// gain of `little` times its own would have been the last.
     pub(super) fn ends(self, sweeps: usize, share: f64, little: f64) -> bool {
         match self {
-            Self::Narrow => share > SLOWLY && share.powi(WORTH_WAITING) > little,
+            Self::Narrow => share > SLOWLY && LEFT > little,
             Self::Wide => sweeps >= MOST_SWEEPS,
         }
     }
@@ -70,8 +71,8 @@ mod tests {
     fn sweeps_go_on_while_they_gain_or_are_nearly_done() {
         let ends = |share, little| Width::Narrow.ends(2, share, little);
         assert!(!ends(0.7, 0.01), "fast enough");
-        assert!(ends(0.8, 0.5), "three more would not do");
-        assert!(!ends(0.8, 0.55), "three more will do");
+        assert!(ends(0.8, 0.15), "some more would not do");
+        assert!(!ends(0.8, 0.25), "some more will do");
         assert!(
             !Width::Wide.ends(2, 1.0, 0.0),
             "nothing else is left to try"

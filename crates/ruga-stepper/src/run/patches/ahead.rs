@@ -1,0 +1,192 @@
+//! A step along what the last sweeps did, to where the next ones would lead.
+//!
+//! Where something slides across many patches, every sweep leaves about the same share of the way to go. A step is
+//! cheap beside a sweep: it asks for some gradients of the whole. Sweeps with such steps between them are the method of
+//! conjugate gradients, preconditioned by a sweep, in the form that looks for the lowest energy among the last
+//! directions.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::Whole;
+
+/// Directions at most: that of the last sweep, and that of the sweep before it with the step after it.
+const DIRECTIONS: usize = 2;
+
+/// Share of the largest curvature up to which a direction counts as flat or bent down, where a step has no
+/// natural length.
+const FLAT: f64 = 1e-6;
+
+/// Length of a step at most, in lengths of its directions. Patches that slide to a sixth less with every sweep ask
+/// for four.
+const FURTHEST: f64 = 20.0;
+
+/// Lengths that are tried: the one that curvatures promise, and the lowest of the parabola through what that finds.
+const TRIALS: usize = 2;
+
+/// Share of a length from which on the parabola's is not worth a trial.
+const NEARLY: f64 = 0.8;
+
+/// The ways of the last sweeps.
+#[derive(Default)]
+pub(super) struct Ahead {
+    ways: Vec<Vec<f64>>,
+}
+
+impl Ahead {
+    /// Moves the coordinates `x`, where a sweep from `start` has led (both m), to a lower energy of the `whole` along
+    /// the last ways; false where there is none. Ways hold all rows, so that `x` violates them no more than before.
+    pub(super) fn step(&mut self, whole: &Whole<'_>, start: &[f64], x: &mut [f64]) -> bool {
+        let way = |x: &[f64]| -> Vec<f64> {
+            let pairs = x.iter().zip(start);
+            pairs.map(|(x, start)| x - start).collect()
+        };
+        self.ways.insert(0, way(x));
+        self.ways.truncate(DIRECTIONS);
+        let lower = self.lengths(whole, x).and_then(|(lengths, slope)| {
+            let energy = whole.value(x);
+            let (mut lower, mut gained, mut share) = (None, 0.0, 1.0);
+            for _ in 0..TRIALS {
+                let there = self.along(x, &(&lengths * share));
+                let gain = energy - whole.value(&there);
+                if gain > gained {
+                    (lower, gained) = (Some(there), gain);
+                }
+                share *= 0.5 * slope * share / (slope * share + gain);
+                if !(share > 0.0 && share < NEARLY) {
+                    break;
+                }
+            }
+            lower
+        });
+        let Some(lower) = lower else { return false };
+        x.copy_from_slice(&lower);
+        self.ways[0] = way(x);
+        true
+    }
+
+    /// Lengths along the ways to the lowest energy, by slopes at `x` and at the ends of the ways, and the slope there;
+    /// `None` where a derivative is not finite.
+    fn lengths(&self, whole: &Whole<'_>, x: &[f64]) -> Option<(DVector<f64>, f64)> {
+        let count = self.ways.len();
+        let slopes = |x: &[f64]| {
+            let gradient = whole.gradient(x);
+            let along = |way: &Vec<f64>| way.iter().zip(&gradient).map(|(a, b)| a * b).sum();
+            DVector::<f64>::from_iterator(count, self.ways.iter().map(along))
+        };
+        let here = slopes(x);
+        let units = DMatrix::<f64>::identity(count, count);
+        let changes: Vec<_> = units
+            .column_iter()
+            .map(|unit| slopes(&self.along(x, &unit.into_owned())) - &here)
+            .collect();
+        let changes = DMatrix::from_columns(&changes);
+        let curvatures = 0.5 * (&changes + changes.transpose());
+        if !curvatures.iter().all(|entry| entry.is_finite()) {
+            return None;
+        }
+        let modes = SymmetricEigen::new(curvatures);
+        let least = FLAT * modes.eigenvalues.amax();
+        let mut lengths = DVector::zeros(count);
+        for (value, mode) in modes
+            .eigenvalues
+            .iter()
+            .zip(modes.eigenvectors.column_iter())
+        {
+            if *value > least {
+                lengths -= mode * (mode.dot(&here) / value);
+            }
+        }
+        lengths *= (FURTHEST / lengths.amax()).min(1.0);
+        let slope = lengths.dot(&here);
+        Some((lengths, slope))
+    }
+
+    fn along(&self, x: &[f64], lengths: &DVector<f64>) -> Vec<f64> {
+        let mut there = x.to_vec();
+        for (length, way) in lengths.iter().zip(&self.ways) {
+            for (there, way) in there.iter_mut().zip(way) {
+                *there += length * way;
+            }
+        }
+        there
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+    use ruga_material::{LayerMaterial, Substrate, WavelengthModel, wrinkling};
+    use ruga_mesh::TriMesh;
+    use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
+    use ruga_solver::ConstraintRows;
+
+    use super::super::Scales;
+    use super::*;
+
+    /// Nine tenths of a shape are left by a sweep: the step goes on to where the energy is lowest, and gains nothing
+    /// from there.
+    #[test]
+    fn a_step_ends_where_the_energy_along_the_last_sweep_is_lowest() {
+        let faces = (0..40).map(|i| 2 * i);
+        let faces = faces.flat_map(|a| [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
+        let mesh = TriMesh::new(82, faces.collect()).expect("a strip");
+        let place = |i: usize| Vector3::new((i / 2) as f64, (i % 2) as f64, 0.0);
+        let rest: Vec<_> = (0..82).map(place).collect();
+        let face = FaceParameters {
+            young: 1.0,
+            poisson: 0.4,
+            thickness: 0.1,
+            normal_stiffness: 1.0,
+            gradient_stiffness: 0.0,
+        };
+        let parameters = LayerParameters::uniform(face, 80, 1.0, 82);
+        let (held, model) = ([false; 82], BendingModel::VertexCurvature);
+        let energy = LayerEnergy::with_bending(&mesh, &rest, parameters, &held, model);
+        let energy = energy.expect("a layer");
+        let rows = ConstraintRows::none(energy.dof_count());
+        let material = LayerMaterial {
+            young: 1.0,
+            poisson: 0.4,
+            thickness: 0.1,
+            density: 1.0,
+        };
+        let below = Substrate {
+            young: 0.01,
+            poisson: 0.4,
+            thickness: 10.0,
+        };
+        let wrinkling = wrinkling(&material, &below, WavelengthModel::HalfSpace).expect("a film");
+        let none = vec![0.0; energy.dof_count()];
+        let whole = Whole {
+            energy: &energy,
+            positions: &rest,
+            load: [&none, &none],
+            damping: &none,
+            rows: &rows,
+            targets: &[],
+            scales: Scales {
+                energy: 1.0,
+                vertex_area: 1.0,
+                wrinkling: &wrinkling,
+                thickness: 0.1,
+            },
+        };
+        let flat: Vec<f64> = rest.iter().flat_map(|x| [x.x, x.y, x.z]).collect();
+        let lifted = |height: f64| -> Vec<f64> {
+            let lift = |i: usize| match i % 3 {
+                2 => height * (0.3 * i as f64).sin(),
+                _ => 0.0,
+            };
+            (0..).zip(&flat).map(|(i, x)| x + lift(i)).collect()
+        };
+        let (start, mut x) = (lifted(0.01), lifted(0.009));
+        assert!(Ahead::default().step(&whole, &start, &mut x));
+        let left = whole.value(&x) / whole.value(&start);
+        assert!(left < 1e-4, "{left}");
+        let mut lowest = flat.clone();
+        assert!(!Ahead::default().step(&whole, &start, &mut lowest));
+        assert_eq!(lowest, flat);
+        let mut unknown = vec![f64::NAN; flat.len()];
+        assert!(!Ahead::default().step(&whole, &start, &mut unknown));
+    }
+}
