@@ -10,6 +10,22 @@ use mimalloc::MiMalloc;
 #[global_allocator]
 static ALLOCATOR: MiMalloc = MiMalloc;
 
+/// Number of the allocator's option `mi_option_purge_delay`, which its bindings do not name.
+const PURGE_DELAY: libmimalloc_sys::mi_option_t = 15;
+
+/// Milliseconds after which freed memory goes back to the system. With the allocator's own 1000 a smile takes 548 MB
+/// instead of 482, because what a pose is solved with is still there when its surfaces are made; with 30 it takes 455
+/// and a tenth more time.
+const PURGE_AFTER: std::ffi::c_long = 150;
+
 fn main() -> ExitCode {
+    // SAFETY: sets a number that the allocator reads whenever it purges, before there is another thread.
+    #[allow(
+        unsafe_code,
+        reason = "the allocator's bindings have no safe way to it"
+    )]
+    unsafe {
+        libmimalloc_sys::mi_option_set(PURGE_DELAY, PURGE_AFTER);
+    }
     ruga_cli::run(std::env::args_os())
 }

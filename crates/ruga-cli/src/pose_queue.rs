@@ -35,33 +35,41 @@ impl Capacity {
     }
 }
 
-/// Runs `work` on the numbers of `bytes`, which have what each takes, and returns the results in order.
+/// What a pose is expected to take.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Planned {
+    pub(crate) bytes: u64,
+    /// On one thread.
+    pub(crate) seconds: f64,
+}
+
+/// Runs `work` on the numbers of `planned`, which have what each takes, and returns the results in order.
 ///
 /// Whenever a thread is free, the lowest number begins that still fits beside those in work; where none does,
 /// one of these has to end. One that takes more than all of the memory runs by itself. `work` is told how many
 /// threads it has: those that are free are shared with the numbers that can begin at the same time, the lowest
-/// having what is left over. After Ctrl-C or the first error no further number is taken and `given_up` tells those
+/// having what is left over, or more where all that fits beside it would be done long before it. After Ctrl-C or the first error no further number is taken and `given_up` tells those
 /// in work. What was not run is `None`.
 ///
 /// # Errors
 /// The error of the lowest number that failed.
 pub(crate) fn run_all<T: Send>(
-    bytes: &[u64],
+    planned: &[Planned],
     capacity: Capacity,
     work: impl Fn(usize, usize, &(dyn Fn() -> bool + Sync)) -> Result<Option<T>, CliError> + Sync,
 ) -> Result<Vec<Option<T>>, CliError> {
     let queue = Queue {
-        bytes,
+        planned,
         capacity,
         state: Mutex::new(State {
-            waiting: (0..bytes.len()).collect(),
+            waiting: (0..planned.len()).collect(),
             in_work: Vec::new(),
             free: capacity.threads.max(1),
         }),
         ended: Condvar::new(),
         failed: AtomicBool::new(false),
     };
-    let results: Mutex<Vec<_>> = Mutex::new(bytes.iter().map(|_| Ok(None)).collect());
+    let results: Mutex<Vec<_>> = Mutex::new(planned.iter().map(|_| Ok(None)).collect());
     let worker = || {
         while let Some(turn) = queue.next() {
             let result = work(turn.number, turn.threads, &|| queue.has_failed());
@@ -72,7 +80,7 @@ pub(crate) fn run_all<T: Send>(
         }
     };
     thread::scope(|scope| {
-        for _ in 0..capacity.threads.min(bytes.len()) {
+        for _ in 0..capacity.threads.min(planned.len()) {
             scope.spawn(worker);
         }
     });
@@ -84,7 +92,7 @@ pub(crate) fn run_all<T: Send>(
 
 /// Numbers that wait, and those in work.
 struct Queue<'a> {
-    bytes: &'a [u64],
+    planned: &'a [Planned],
     capacity: Capacity,
     state: Mutex<State>,
     /// Told of whenever a number is no longer in work.
@@ -113,7 +121,8 @@ impl Queue<'_> {
             }
             let beginning = self.beginning(&state);
             if let Some(&number) = beginning.first() {
-                let threads = state.free.div_ceil(beginning.len());
+                let shared = state.free.div_ceil(beginning.len());
+                let threads = shared.max(self.threads_for(number, &state));
                 state.waiting.retain(|&waiting| waiting != number);
                 state.in_work.push(number);
                 state.free -= threads;
@@ -125,6 +134,19 @@ impl Queue<'_> {
             }
             state = self.ended.wait(state).expect(UNPOISONED);
         }
+    }
+
+    /// Free threads that one number should have so that it ends when the others have done all that fits beside it.
+    fn threads_for(&self, number: usize, state: &State) -> usize {
+        let mut in_work = state.in_work.clone();
+        in_work.push(number);
+        let seconds = |number: usize| self.planned[number].seconds;
+        let others = state.waiting.iter().copied();
+        let beside = others.filter(|&other| other != number && self.fits(other, &in_work));
+        let all = seconds(number) + beside.map(seconds).sum::<f64>();
+        // None where no time is planned.
+        let threads = (state.free as f64 * seconds(number) / all).round() as usize;
+        threads.min(state.free)
     }
 
     /// The numbers that can begin now, beside those in work and each other, at most one for each free thread.
@@ -140,7 +162,7 @@ impl Queue<'_> {
 
     fn fits(&self, number: usize, in_work: &[usize]) -> bool {
         let together = in_work.iter().chain([&number]);
-        let bytes: Vec<u64> = together.map(|&number| self.bytes[number]).collect();
+        let bytes: Vec<u64> = together.map(|&number| self.planned[number].bytes).collect();
         in_work.is_empty() || self.capacity.has_memory(&bytes)
     }
 
@@ -178,12 +200,19 @@ mod tests {
     use std::sync::atomic::{AtomicU64, AtomicUsize};
     use std::time::Duration;
 
+    /// Work that takes so many bytes each, and a second.
+    fn of(bytes: &[u64]) -> Vec<Planned> {
+        let seconds = 1.0;
+        let each = bytes.iter().map(|&bytes| Planned { bytes, seconds });
+        each.collect()
+    }
+
     /// Runs numbers that take so many bytes, for uneven times; the most that were in work together, and
     /// the most bytes.
     fn most_in_work(bytes: &[u64], capacity: Capacity) -> (usize, u64) {
         let (now, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let (taken, most_taken) = (AtomicU64::new(0), AtomicU64::new(0));
-        let results = run_all(bytes, capacity, |number, _, _| {
+        let results = run_all(&of(bytes), capacity, |number, _, _| {
             most.fetch_max(now.fetch_add(1, Ordering::SeqCst) + 1, Ordering::SeqCst);
             let own = bytes[number];
             most_taken.fetch_max(
@@ -235,7 +264,7 @@ mod tests {
     fn what_does_not_fit_lets_others_pass() {
         // The second one waits for the first, which waits for the third.
         let third = AtomicBool::new(false);
-        let results = run_all(&[3, 3, 1], capacity(2, Some(4)), |number, _, _| {
+        let results = run_all(&of(&[3, 3, 1]), capacity(2, Some(4)), |number, _, _| {
             while number == 0 && !third.load(Ordering::SeqCst) {
                 thread::sleep(Duration::from_millis(1));
             }
@@ -246,9 +275,9 @@ mod tests {
     }
 
     /// Threads of every number, where all that can are in work together until the last of these has begun.
-    fn threads_of(bytes: &[u64], capacity: Capacity, together: usize) -> Vec<usize> {
+    fn threads_of(planned: &[Planned], capacity: Capacity, together: usize) -> Vec<usize> {
         let begun = AtomicUsize::new(0);
-        let results = run_all(bytes, capacity, |_, threads, _| {
+        let results = run_all(planned, capacity, |_, threads, _| {
             begun.fetch_add(1, Ordering::SeqCst);
             while begun.load(Ordering::SeqCst) < together {
                 thread::sleep(Duration::from_millis(1));
@@ -261,13 +290,32 @@ mod tests {
 
     #[test]
     fn free_threads_are_shared_by_those_that_can_begin() {
-        assert_eq!(threads_of(&[1], capacity(4, None), 1), [4]);
-        assert_eq!(threads_of(&[1; 3], capacity(4, None), 3), [2, 1, 1]);
-        assert_eq!(threads_of(&[1; 5], capacity(8, None), 5), [2, 2, 2, 1, 1]);
-        assert_eq!(threads_of(&[1; 8], capacity(8, None), 8), [1; 8]);
+        assert_eq!(threads_of(&of(&[1]), capacity(4, None), 1), [4]);
+        assert_eq!(threads_of(&of(&[1; 3]), capacity(4, None), 3), [2, 1, 1]);
+        assert_eq!(
+            threads_of(&of(&[1; 5]), capacity(8, None), 5),
+            [2, 2, 2, 1, 1]
+        );
+        assert_eq!(threads_of(&of(&[1; 8]), capacity(8, None), 8), [1; 8]);
         // No other one fits beside the first one.
-        assert_eq!(threads_of(&[5, 1], capacity(2, Some(5)), 1), [2, 2]);
-        assert_eq!(threads_of(&[9], capacity(2, Some(5)), 1), [2]);
+        assert_eq!(threads_of(&of(&[5, 1]), capacity(2, Some(5)), 1), [2, 2]);
+        assert_eq!(threads_of(&of(&[9]), capacity(2, Some(5)), 1), [2]);
+    }
+
+    /// The second would be done in a tenth of the first one's time, and the third does not fit beside that.
+    #[test]
+    fn long_work_has_the_threads_that_would_soon_have_nothing_to_do() {
+        let planned = [(4, 10.0), (1, 1.0), (2, 8.0)];
+        let planned = planned.map(|(bytes, seconds)| Planned { bytes, seconds });
+        assert_eq!(threads_of(&planned, capacity(2, Some(5)), 1)[0], 2);
+        assert_eq!(threads_of(&planned, capacity(4, Some(5)), 1)[0], 4);
+        // Everything fits.
+        assert_eq!(threads_of(&planned, capacity(2, None), 2)[..2], [1, 1]);
+        let nothing = planned.map(|planned| Planned {
+            seconds: 0.0,
+            ..planned
+        });
+        assert_eq!(threads_of(&nothing, capacity(2, Some(5)), 2)[..2], [1, 1]);
     }
 
     #[test]
@@ -282,7 +330,7 @@ mod tests {
     #[test]
     fn an_error_ends_the_queue() {
         let done = AtomicUsize::new(0);
-        let result = run_all(&[1; 50], capacity(1, None), |number, _, _| {
+        let result = run_all(&of(&[1; 50]), capacity(1, None), |number, _, _| {
             done.fetch_add(1, Ordering::SeqCst);
             let path = PathBuf::from("scene.toml");
             if number == 3 {
@@ -298,7 +346,7 @@ mod tests {
     #[test]
     fn an_error_ends_those_who_wait_for_memory() {
         let done = AtomicUsize::new(0);
-        let result = run_all(&[5; 50], capacity(4, Some(5)), |_, _, _| {
+        let result = run_all(&of(&[5; 50]), capacity(4, Some(5)), |_, _, _| {
             done.fetch_add(1, Ordering::SeqCst);
             thread::sleep(Duration::from_millis(10));
             let path = PathBuf::from("scene.toml");
@@ -312,7 +360,7 @@ mod tests {
     fn a_panic_leaves_nobody_waiting() {
         let done = AtomicUsize::new(0);
         let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-            run_all(&[5; 4], capacity(3, Some(5)), |number, _, _| {
+            run_all(&of(&[5; 4]), capacity(3, Some(5)), |number, _, _| {
                 done.fetch_add(1, Ordering::SeqCst);
                 assert_ne!(number, 0, "this one is to panic");
                 Ok(Some(number))

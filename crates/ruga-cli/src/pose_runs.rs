@@ -14,7 +14,7 @@ use crate::error::CliError;
 use crate::kept_pose::kept_poses;
 use crate::memory_limit::planned_bytes;
 use crate::output_folder::OutputFolder;
-use crate::pose_queue::{Capacity, run_all};
+use crate::pose_queue::{Capacity, Planned, run_all};
 use crate::pose_record::{PoseRecord, Records};
 use crate::pose_report::{ending, pose_report};
 use crate::progress::PoseProgress;
@@ -126,7 +126,11 @@ pub(crate) fn run_poses<P: Product>(
     if at_a_time > 1 {
         longest_first(&mut to_be_made, |alike| seconds_of(alike).iter().sum());
     }
-    let bytes: Vec<u64> = to_be_made.iter().map(bytes_of).collect();
+    let planned = to_be_made.iter().map(|alike| Planned {
+        bytes: bytes_of(alike),
+        seconds: seconds_of(alike).iter().sum(),
+    });
+    let planned: Vec<Planned> = planned.collect();
     let time_left = TimeLeft::new(to_be_made.iter().map(seconds_of).collect(), at_a_time);
     let run = PoseRun {
         scene,
@@ -135,7 +139,7 @@ pub(crate) fn run_poses<P: Product>(
         progress,
         product,
     };
-    let made = run_all(&bytes, capacity, |number, threads, given_up| {
+    let made = run_all(&planned, capacity, |number, threads, given_up| {
         time_left.begin(number);
         let made = run.alike(&to_be_made[number], (threads, given_up), |record| {
             time_left.end(number, layer_seconds(&record.report))
