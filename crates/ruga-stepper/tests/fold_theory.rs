@@ -193,6 +193,72 @@ fn averages_leave_an_anchor_its_depth_where_skin_is_pressed_along_it() {
     }
 }
 
+/// Where two anchored lines cross, what both pull with is carried once: neither the crossing nor the arms lose
+/// depth to averaging constraints.
+#[test]
+fn averages_leave_crossing_anchors_their_depth() {
+    let driver = driver();
+    let across = crease_through(
+        &driver,
+        vec![Vector2::new(0.1, 0.52), Vector2::new(0.9, 0.48)],
+        false,
+    );
+    for stiffness in [2.0, 20.0] {
+        let anchor = CreaseAnchor {
+            depth: 2e-4,
+            stiffness,
+        };
+        let lines = [crease(&driver, 0.03), across.clone()];
+        let lines = lines.map(|line| anchored(line, 0.0, anchor));
+        let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
+            let layer = LayerSpec {
+                creases: lines.to_vec(),
+                ..skin("forehead-furrow", coupling)
+            };
+            let result = shortened(&layer, 0.01, &Modelling::standard());
+            let own = &result.keys[0].layers[0];
+            // Deepest place within a twentieth of the patch of its middle, and half way along either arm.
+            [(0.5, 0.5), (0.5, 0.3), (0.3, 0.5)].map(|(u, v)| {
+                let middle = Vector2::new(u, v) * SIDE;
+                let places = own.driver_positions.iter().zip(&own.positions);
+                let near = places.filter(|(p, _)| (p.xy() - middle).amax() < 0.05 * SIDE);
+                near.map(|(p, x)| p.z - x.z).fold(f64::MIN, f64::max)
+            })
+        });
+        let ratios = [0, 1, 2].map(|i| hybrid[i] / elastic[i]);
+        println!("anchors {stiffness}: {ratios:.4?} of the depth at the crossing and on the arms");
+        let least = if stiffness > 10.0 { 0.98 } else { 0.9 };
+        assert!(
+            ratios.iter().all(|ratio| (least..1.06).contains(ratio)),
+            "{stiffness}: {ratios:?}"
+        );
+    }
+}
+
+/// A line that takes up compression, too, keeps the mean depth to which its anchor draws it, among wrinkles as well.
+#[test]
+fn averages_leave_an_anchor_that_absorbs_its_depth() {
+    for (stiffness, strain) in [(2.0, 0.02), (20.0, 0.02), (2.0, 0.2), (20.0, 0.2)] {
+        let anchor = CreaseAnchor {
+            depth: 2e-4,
+            stiffness,
+        };
+        let mut spec = anchored(crease(&driver(), 0.03), 0.0, anchor);
+        spec.absorbs = true;
+        let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
+            let layer = creased(spec.clone(), coupling);
+            let result = shortened(&layer, strain, &Modelling::standard());
+            result.layers[0].creases[0].depth
+        });
+        println!("anchor {stiffness}, strain {strain}: {elastic:e} m, with averages {hybrid:e} m");
+        let ratio = hybrid / elastic;
+        assert!(
+            (0.9..1.06).contains(&ratio),
+            "{stiffness} {strain}: {ratio}"
+        );
+    }
+}
+
 /// A soft line folds at half the strain at which the skin wrinkles. Beyond both, the state is the same however it is
 /// reached: at once, by keys between the two, or by frames; and waves are as long as without the line.
 #[test]
