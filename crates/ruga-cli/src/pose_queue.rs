@@ -38,6 +38,7 @@ impl Capacity {
 /// What a pose is expected to take.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Planned {
+    /// Memory while it is in work.
     pub(crate) bytes: u64,
     /// On one thread.
     pub(crate) seconds: f64,
@@ -48,8 +49,8 @@ pub(crate) struct Planned {
 /// Whenever a thread is free, the lowest number begins that still fits beside those in work; where none does,
 /// one of these has to end. One that takes more than all of the memory runs by itself. `work` is told how many
 /// threads it has: those that are free are shared with the numbers that can begin at the same time, the lowest
-/// having what is left over, or more where all that fits beside it would be done long before it. After Ctrl-C or the first error no further number is taken and `given_up` tells those
-/// in work. What was not run is `None`.
+/// having what is left over, or more where all that fits beside it would be done long before it. After Ctrl-C or the
+/// first error no further number is taken and `given_up` tells those in work. What was not run is `None`.
 ///
 /// # Errors
 /// The error of the lowest number that failed.
@@ -136,7 +137,8 @@ impl Queue<'_> {
         }
     }
 
-    /// Free threads that one number should have so that it ends when the others have done all that fits beside it.
+    /// Free threads that one number should have so that it ends when the others have done all that fits beside it, each by
+    /// itself; 0 where no time is planned.
     fn threads_for(&self, number: usize, state: &State) -> usize {
         let mut in_work = state.in_work.clone();
         in_work.push(number);
@@ -144,8 +146,7 @@ impl Queue<'_> {
         let others = state.waiting.iter().copied();
         let beside = others.filter(|&other| other != number && self.fits(other, &in_work));
         let all = seconds(number) + beside.map(seconds).sum::<f64>();
-        // None where no time is planned.
-        let threads = (state.free as f64 * seconds(number) / all).round() as usize;
+        let threads = (state.free as f64 * seconds(number) / all + UNUSED).floor() as usize;
         threads.min(state.free)
     }
 
@@ -174,6 +175,9 @@ impl Queue<'_> {
         self.state.lock().expect(UNPOISONED)
     }
 }
+
+/// Share of a thread that is not kept for others: they would be done in a quarter of the time.
+const UNUSED: f64 = 0.25;
 
 const UNPOISONED: &str = "no thread panics while it holds the queue";
 
@@ -308,7 +312,10 @@ mod tests {
         let planned = [(4, 10.0), (1, 1.0), (2, 8.0)];
         let planned = planned.map(|(bytes, seconds)| Planned { bytes, seconds });
         assert_eq!(threads_of(&planned, capacity(2, Some(5)), 1)[0], 2);
-        assert_eq!(threads_of(&planned, capacity(4, Some(5)), 1)[0], 4);
+        assert_eq!(threads_of(&planned, capacity(4, Some(5)), 2)[0], 3);
+        // The others have half of its time to do.
+        let half = [(4, 10.0), (1, 5.0)].map(|(bytes, seconds)| Planned { bytes, seconds });
+        assert_eq!(threads_of(&half, capacity(2, Some(5)), 2), [1, 1]);
         // Everything fits.
         assert_eq!(threads_of(&planned, capacity(2, None), 2)[..2], [1, 1]);
         let nothing = planned.map(|planned| Planned {

@@ -7,8 +7,8 @@ use crate::run::patches::Width;
 /// Bytes for every texel of a map while it is baked and written.
 pub const BYTES_PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the lowest layer's output mesh, one that is fine in all directions; halving leaves
-/// more vertices than planned. From a smile of 69 thousand.
-const PER_OUTPUT_VERTEX: f64 = 3.5e3;
+/// more vertices than planned. From a smile of 69 thousand and hands of 35 to 350.
+const PER_OUTPUT_VERTEX: f64 = 2.6e3;
 /// The same for layers on others, whose meshes are fine across the waves alone and fitted to coarser ones: from raised
 /// brows of 285 and 904 thousand vertices, which take 3.6 and 10 GB.
 const PER_OUTPUT_VERTEX_ABOVE: f64 = 1.5e3;
@@ -19,9 +19,9 @@ const OVERLAPPED: f64 = 1.5;
 /// Bytes for every vertex of a layer in patches, which overlap and are kept from solve to solve until a key is
 /// reached.
 const IN_PATCHES: f64 = 1e4;
-/// Bytes for every vertex of a layer so large that its patches are set up when it is their turn, on one thread:
-/// from a hand of 86 thousand vertices, and half of what two wrists of 189 thousand take together.
-const IN_WIDE_PATCHES: f64 = 5.6e3;
+/// Bytes for every vertex of a layer so large that its patches are set up when it is their turn: from hands of 36 to 300
+/// thousand vertices, of which the largest takes 3.2 GB on two threads.
+const IN_WIDE_PATCHES: f64 = 6e3;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;
 
@@ -58,8 +58,8 @@ pub(crate) struct Load {
 /// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
 /// grow with its size. The output mesh has `output_vertices`; maps are `map_size` texels wide, and the time that it
 /// takes to bake them is not counted. All memory is added up, though what a layer is solved with is given back before
-/// its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 650 MB for a
-/// smile that takes 545.
+/// its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 590 MB for a
+/// smile that takes 490.
 pub(crate) fn cost(
     (vertices, is_lowest): (usize, bool),
     most_in_whole: usize,

@@ -6,11 +6,14 @@
 //! moves much any more (multiplicative Schwarz method, on the energy instead of a linear system). Patches
 //! overlap, so that what one of them leaves at its border is mended by the next.
 //!
+//! From the second sweep on the whole goes on along what the last ones did before the next begins: where all patches
+//! slide together, that is worth several sweeps.
+//!
 //! An averaging constraint reaches over several patches. The one with most of its weight restores it; in
 //! the others the sum over their own vertices stays as it is, so that they cannot violate it.
 
-mod ahead;
 mod division;
+mod extrapolation;
 mod patch;
 mod sweep;
 mod width;
@@ -27,8 +30,8 @@ use ruga_solver::{
 
 use crate::run::layer_objective::work;
 use crate::run::neighbourhood::Neighbourhood;
-use ahead::Ahead;
 use division::{coloured, divided};
+use extrapolation::Extrapolation;
 use patch::{Patch, PatchRow, Solved, coordinates};
 use sweep::{Next, Order};
 use work::Work;
@@ -58,8 +61,8 @@ pub(crate) struct Patches {
     patches: Vec<Patch>,
     order: Order,
     width: Width,
-    /// Gain of a second sweep over that of the first, in the last solve that took two.
-    second: f64,
+    /// Gain of a second sweep over that of the first, when there was one last.
+    second_over_first: Option<f64>,
     /// Whether what patches are solved with is kept from one solve to the next of a key: quicker, but too much memory
     /// where the layer is large.
     keeps: bool,
@@ -167,7 +170,7 @@ impl Patches {
             patches,
             order,
             width,
-            second: f64::INFINITY,
+            second_over_first: None,
             keeps: !Width::Wide.suits(free.len(), most_in_whole),
         })
     }
@@ -179,10 +182,11 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has: in the first one
-    /// to `settings`, later to [`LITTLE`], which a whole step then leaves the square of. Of a state that is only
-    /// passed the second sweep is left out where it would gain no more, by what it did in the solve before.
-    /// Sweeps that do not get there, with a step [`Ahead`] after each, end without, as the patches' width says.
+    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has: in the first sweep
+    /// to `settings`, later to [`LITTLE`], but to `settings` again where that did not move it. A state that is only
+    /// passed does without its second sweep where that would gain as little, by what the last second sweep gained. Sweeps
+    /// that do not get there, with an [`Extrapolation`] after the second and each that follows, end without, as the
+    /// patches' width says.
     /// `keep_going` is asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,
@@ -193,6 +197,7 @@ impl Patches {
     ) -> Result<SolveReport, SolverError> {
         for patch in &mut self.patches {
             patch.follow(&whole);
+            patch.is_exact = false;
         }
         let little = LITTLE.max(PASSED * settings.energy_tolerance) * whole.scales.energy;
         let tolerated = settings.energy_tolerance * whole.scales.energy;
@@ -205,9 +210,8 @@ impl Patches {
             energy_tolerance: settings.energy_tolerance.max(LITTLE),
             ..settings.clone()
         };
-        let mut ahead = Ahead::default();
+        let mut extrapolation = Extrapolation::default();
         loop {
-            let accuracy = if sweeps == 0 { settings } else { &later };
             let start = x.to_vec();
             let missing = whole.missing(x)?;
             // What is shown, which depends on who is done first.
@@ -216,7 +220,11 @@ impl Patches {
             let solved = self.order.sweep(
                 &mut self.patches,
                 (x, &mut is_due),
-                |patch, x| patch.solve((whole, index), (x, &missing), (minimise, accuracy), keeps),
+                |patch, x| {
+                    let is_exact = sweeps == 0 || patch.is_exact;
+                    let accuracy = if is_exact { settings } else { &later };
+                    patch.solve((whole, index), (x, &missing), (minimise, accuracy), keeps)
+                },
                 |patch: &Patch, solved: &Result<Solved, SolverError>, (x, is_due)| {
                     let Ok(solved) = solved else {
                         return Next::Fail;
@@ -237,30 +245,34 @@ impl Patches {
                 },
             );
             let mut gained = 0.0;
-            let mut moved = Vec::new();
+            let mut is_open = false;
             for (i, solved) in solved.into_iter().enumerate() {
                 if let Some(solved) = solved.transpose()? {
-                    let report = &solved.report;
-                    is_due[i] |= report.converged && report.decrement > settings.energy_tolerance;
-                    if solved.gain.abs() > tolerated * self.patches[i].share {
-                        moved.push(i);
-                    }
+                    let (report, patch) = (solved.report, &mut self.patches[i]);
+                    // Its last step would have risen, so that it takes shorter ones.
+                    patch.is_exact = report.converged
+                        && report.decrement > settings.energy_tolerance
+                        && solved.gain <= 0.0;
+                    is_due[i] |= patch.is_exact;
+                    is_open |= patch.is_exact;
                     gained += solved.gain.abs();
-                    done.add(&solved.report, self.patches[i].share);
-                    reports[i] = Some(solved.report);
+                    done.add(&report, patch.share);
+                    reports[i] = Some(report);
                 }
             }
             if is_stopped {
                 return Ok(done.report(&reports, Some(StopRule::Interrupted)));
             }
-            if sweeps == 1 {
-                self.second = gained / before;
-            }
             // One that has not converged may have, once its neighbours have moved.
             let is_nobody_due = is_due.iter().all(|due| !due);
-            let has_converged = reports.iter().flatten().all(|report| report.converged);
+            let has_converged = !is_open && reports.iter().flatten().all(|report| report.converged);
+            if sweeps == 1 && has_converged {
+                self.second_over_first = Some(gained / before);
+            }
             let is_passed = sweeps == 0 && settings.at_saddle == AtSaddle::Pass;
-            let is_little = gained <= little || is_passed && gained * self.second <= little;
+            let second = self.second_over_first.filter(|_| is_passed);
+            let is_little =
+                gained <= little || second.is_some_and(|share| share * gained <= little);
             if is_little && has_converged || is_nobody_due {
                 return Ok(done.report(&reports, None));
             }
@@ -269,9 +281,9 @@ impl Patches {
                 return Ok(done.report(&reports, Some(StopRule::IterationLimit)));
             }
             before = gained;
-            // The first one still finds the equilibrium of every patch, and restores averages.
-            if sweeps > 1 && ahead.step(&whole, &start, x) {
-                moved.into_iter().for_each(|i| is_due[i] = true);
+            // The first sweep still finds the equilibrium of every patch, and restores averages.
+            if sweeps > 1 && has_converged && extrapolation.step(&whole, (&start, x), tolerated) {
+                is_due.fill(true);
             }
         }
     }

@@ -21,6 +21,8 @@ pub(super) struct Patch {
     pub(super) neighbours: Vec<usize>,
     /// Share of the layer's free vertices.
     pub(super) share: f64,
+    /// Whether a whole step that ends less exact solves would have raised its energy.
+    pub(super) is_exact: bool,
     /// Convexification of the first step of the last solve.
     relaxation: f64,
     /// What it is solved with, where that is kept from one solve to the next.
@@ -67,6 +69,7 @@ impl Patch {
             rows: Vec::new(),
             neighbours: Vec::new(),
             share: ranks.len() as f64 / free.max(1) as f64,
+            is_exact: false,
             relaxation: 0.0,
             kept: None,
             order: None,

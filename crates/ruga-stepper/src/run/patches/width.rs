@@ -21,9 +21,12 @@ const WIDER: usize = 2;
 /// with others.
 const SLOWLY: f64 = 0.75;
 
-/// Share of such a gain that some more sweeps leave, with a step ahead after each. More of it to go is not waited
-/// for; less is, because wide patches would begin with all of the layer again.
-const LEFT: f64 = 0.2;
+/// Share that some more sweeps with extrapolations leave of what one has gained that was slower than [`SLOWLY`]. More to go
+/// is not waited for; less is, because wide patches would begin with all of the layer again.
+const LEFT_BY_MORE: f64 = 0.2;
+
+/// Sweeps of narrow patches, after which wide ones or the whole go on.
+const MOST_NARROW_SWEEPS: usize = 12;
 
 /// Sweeps of wide patches, after which nothing else is tried.
 const MOST_SWEEPS: usize = 30;
@@ -57,7 +60,7 @@ impl Width {
     /// gain of `little` times its own would have been the last.
     pub(super) fn ends(self, sweeps: usize, share: f64, little: f64) -> bool {
         match self {
-            Self::Narrow => share > SLOWLY && LEFT > little,
+            Self::Narrow => sweeps >= MOST_NARROW_SWEEPS || share > SLOWLY && LEFT_BY_MORE > little,
             Self::Wide => sweeps >= MOST_SWEEPS,
         }
     }
@@ -73,6 +76,10 @@ mod tests {
         assert!(!ends(0.7, 0.01), "fast enough");
         assert!(ends(0.8, 0.15), "some more would not do");
         assert!(!ends(0.8, 0.25), "some more will do");
+        assert!(
+            Width::Narrow.ends(12, f64::NAN, f64::INFINITY),
+            "nothing moves, and something has not converged"
+        );
         assert!(
             !Width::Wide.ends(2, 1.0, 0.0),
             "nothing else is left to try"

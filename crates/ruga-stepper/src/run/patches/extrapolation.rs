@@ -1,9 +1,9 @@
 //! A step along what the last sweeps did, to where the next ones would lead.
 //!
-//! Where something slides across many patches, every sweep leaves about the same share of the way to go. A step is
-//! cheap beside a sweep: it asks for some gradients of the whole. Sweeps with such steps between them are the method of
-//! conjugate gradients, preconditioned by a sweep, in the form that looks for the lowest energy among the last
-//! directions.
+//! Where something slides across many patches, every sweep leaves about the same share of it to go. A step is cheap
+//! beside a sweep: it asks for some gradients of the whole. It looks for the lowest energy among the last two
+//! directions, as the method of conjugate gradients does in its locally optimal form (Knyazev 2001); what there is a
+//! preconditioner is here a sweep.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -16,9 +16,9 @@ const DIRECTIONS: usize = 2;
 /// natural length.
 const FLAT: f64 = 1e-6;
 
-/// Length of a step at most, in lengths of its directions. Patches that slide to a sixth less with every sweep ask
-/// for four.
-const FURTHEST: f64 = 20.0;
+/// Length of a step at most, in lengths of its directions. Where a sweep leaves four fifths of a way the rest is four
+/// times as long as what it did.
+const LONGEST: f64 = 20.0;
 
 /// Lengths that are tried: the one that curvatures promise, and the lowest of the parabola through what that finds.
 const TRIALS: usize = 2;
@@ -26,33 +26,41 @@ const TRIALS: usize = 2;
 /// Share of a length from which on the parabola's is not worth a trial.
 const NEARLY: f64 = 0.8;
 
-/// The ways of the last sweeps.
+/// The directions of the last sweeps and steps.
 #[derive(Default)]
-pub(super) struct Ahead {
-    ways: Vec<Vec<f64>>,
+pub(super) struct Extrapolation {
+    directions: Vec<Vec<f64>>,
 }
 
-impl Ahead {
-    /// Moves the coordinates `x`, where a sweep from `start` has led (both m), to a lower energy of the `whole` along
-    /// the last ways; false where there is none. Ways hold all rows, so that `x` violates them no more than before.
-    pub(super) fn step(&mut self, whole: &Whole<'_>, start: &[f64], x: &mut [f64]) -> bool {
-        let way = |x: &[f64]| -> Vec<f64> {
+impl Extrapolation {
+    /// Moves the coordinates `x`, where a sweep from `start` has led (both m), along the last directions to an energy of
+    /// the `whole` that is lower by more than `least` (J); false where there is none.
+    ///
+    /// A direction changes a row by what its sweep restored of it, so that `x` may violate rows by some thousandths of
+    /// a displacement; the next sweep restores that.
+    pub(super) fn step(
+        &mut self,
+        whole: &Whole<'_>,
+        (start, x): (&[f64], &mut [f64]),
+        least: f64,
+    ) -> bool {
+        let from_start = |x: &[f64]| -> Vec<f64> {
             let pairs = x.iter().zip(start);
             pairs.map(|(x, start)| x - start).collect()
         };
-        self.ways.insert(0, way(x));
-        self.ways.truncate(DIRECTIONS);
+        self.directions.insert(0, from_start(x));
+        self.directions.truncate(DIRECTIONS);
         let lower = self.lengths(whole, x).and_then(|(lengths, slope)| {
             let energy = whole.value(x);
-            let (mut lower, mut gained, mut share) = (None, 0.0, 1.0);
+            let (mut lower, mut gained, mut factor) = (None, least, 1.0);
             for _ in 0..TRIALS {
-                let there = self.along(x, &(&lengths * share));
+                let there = self.along(x, &(&lengths * factor));
                 let gain = energy - whole.value(&there);
                 if gain > gained {
                     (lower, gained) = (Some(there), gain);
                 }
-                share *= 0.5 * slope * share / (slope * share + gain);
-                if !(share > 0.0 && share < NEARLY) {
+                factor *= 0.5 * slope * factor / (slope * factor + gain);
+                if !(factor > 0.0 && factor < NEARLY) {
                     break;
                 }
             }
@@ -60,18 +68,19 @@ impl Ahead {
         });
         let Some(lower) = lower else { return false };
         x.copy_from_slice(&lower);
-        self.ways[0] = way(x);
+        self.directions[0] = from_start(x);
         true
     }
 
-    /// Lengths along the ways to the lowest energy, by slopes at `x` and at the ends of the ways, and the slope there;
+    /// Lengths along the directions to the lowest energy, by slopes at `x` and at their ends, and the slope there;
     /// `None` where a derivative is not finite.
     fn lengths(&self, whole: &Whole<'_>, x: &[f64]) -> Option<(DVector<f64>, f64)> {
-        let count = self.ways.len();
+        let count = self.directions.len();
         let slopes = |x: &[f64]| {
             let gradient = whole.gradient(x);
-            let along = |way: &Vec<f64>| way.iter().zip(&gradient).map(|(a, b)| a * b).sum();
-            DVector::<f64>::from_iterator(count, self.ways.iter().map(along))
+            let along =
+                |direction: &Vec<f64>| direction.iter().zip(&gradient).map(|(a, b)| a * b).sum();
+            DVector::<f64>::from_iterator(count, self.directions.iter().map(along))
         };
         let here = slopes(x);
         let units = DMatrix::<f64>::identity(count, count);
@@ -96,16 +105,16 @@ impl Ahead {
                 lengths -= mode * (mode.dot(&here) / value);
             }
         }
-        lengths *= (FURTHEST / lengths.amax()).min(1.0);
+        lengths *= (LONGEST / lengths.amax()).min(1.0);
         let slope = lengths.dot(&here);
         Some((lengths, slope))
     }
 
     fn along(&self, x: &[f64], lengths: &DVector<f64>) -> Vec<f64> {
         let mut there = x.to_vec();
-        for (length, way) in lengths.iter().zip(&self.ways) {
-            for (there, way) in there.iter_mut().zip(way) {
-                *there += length * way;
+        for (length, direction) in lengths.iter().zip(&self.directions) {
+            for (there, direction) in there.iter_mut().zip(direction) {
+                *there += length * direction;
             }
         }
         there
@@ -180,13 +189,25 @@ mod tests {
             (0..).zip(&flat).map(|(i, x)| x + lift(i)).collect()
         };
         let (start, mut x) = (lifted(0.01), lifted(0.009));
-        assert!(Ahead::default().step(&whole, &start, &mut x));
+        assert!(Extrapolation::default().step(&whole, (&start, &mut x), 0.0));
         let left = whole.value(&x) / whole.value(&start);
         assert!(left < 1e-4, "{left}");
+        // Two directions that share one shape.
+        let mut steps = Extrapolation::default();
+        let (mut first, mut second) = (lifted(0.009), lifted(0.0085));
+        assert!(steps.step(&whole, (&start, &mut first), 0.0));
+        let start_of_second = lifted(0.0088);
+        assert!(steps.step(&whole, (&start_of_second, &mut second), 0.0));
+        let left = whole.value(&second) / whole.value(&start);
+        assert!(left < 1e-4, "{left}");
+        // What is to be gained is too little.
+        let mut near = lifted(0.009);
+        let energy = whole.value(&near);
+        assert!(!Extrapolation::default().step(&whole, (&start, &mut near), energy));
         let mut lowest = flat.clone();
-        assert!(!Ahead::default().step(&whole, &start, &mut lowest));
+        assert!(!Extrapolation::default().step(&whole, (&start, &mut lowest), 0.0));
         assert_eq!(lowest, flat);
         let mut unknown = vec![f64::NAN; flat.len()];
-        assert!(!Ahead::default().step(&whole, &start, &mut unknown));
+        assert!(!Extrapolation::default().step(&whole, (&start, &mut unknown), 0.0));
     }
 }
