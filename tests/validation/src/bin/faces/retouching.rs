@@ -157,7 +157,7 @@ impl Observer for StatesOfFaces {
 /// What the run itself says of the texels of a map.
 struct Asked {
     size: usize,
-    /// Whether no layer is strained there to half of what wrinkles it.
+    /// Whether no layer is strained anywhere in them to half of what wrinkles it.
     is_quiet: Vec<bool>,
     /// Distance from other skin (texels) beyond which it is a quarter of the longest wavelength away, whichever way
     /// the texture is stretched. Relief fades by distances on the skin: with those in the texture, what is shown there
@@ -230,20 +230,26 @@ fn stretch(corners: &[Vector3<f64>; 3], uvs: &[Vector2<f64>; 3]) -> f64 {
     (texture * from_skin).singular_values().max()
 }
 
-/// Calls `act` with every texel whose centre a face holds, its border included.
+/// Calls `act` with every texel that a face touches.
+///
+/// Where the texture is squeezed a face is smaller than a texel, holds the centre of none, and is shown all the same.
 fn for_texels(size: u32, uvs: [Vector2<f64>; 3], mut act: impl FnMut(usize)) {
     let [a, b, c] = uvs.map(|uv| uv * f64::from(size));
-    let area = cross(b - a, c - a);
+    let turn = cross(b - a, c - a).signum();
     let bounds = |of: fn(&Vector2<f64>) -> f64| {
         let [low, high] = [f64::min, f64::max].map(|pick| pick(pick(of(&a), of(&b)), of(&c)));
         let last = i64::from(size) - 1;
-        (low.floor() as i64).clamp(0, last)..=(high.ceil() as i64).clamp(0, last)
+        (low.floor() as i64).clamp(0, last)..=(high.ceil() as i64 - 1).clamp(0, last)
     };
     for row in bounds(|p| p.y) {
         for column in bounds(|p| p.x) {
             let centre = Vector2::new(column as f64 + 0.5, row as f64 + 0.5);
-            let parts = [(b, c), (c, a), (a, b)].map(|(p, q)| cross(p - centre, q - centre) / area);
-            if parts.iter().all(|part| *part >= -1e-9) {
+            let is_beyond = |(p, q): (Vector2<f64>, Vector2<f64>)| {
+                // The corner of the texel that lies furthest on the inner side.
+                let reach = 0.5 * (q - p).lp_norm(1);
+                turn * cross(p - centre, q - centre) < -reach
+            };
+            if ![(b, c), (c, a), (a, b)].into_iter().any(is_beyond) {
                 act((row * i64::from(size) + column) as usize);
             }
         }
@@ -281,4 +287,31 @@ fn summary(name: &str, found: &[Found]) -> Vec<Line> {
             most(|own| own.speckle[1])
         )),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn texels(uvs: [[f64; 2]; 3]) -> Vec<usize> {
+        let mut found = Vec::new();
+        for_texels(4, uvs.map(|[u, v]| Vector2::new(u, v)), |texel| {
+            found.push(texel)
+        });
+        found
+    }
+
+    #[test]
+    fn a_face_smaller_than_a_texel_is_in_one() {
+        // A quarter is a texel.
+        assert_eq!(texels([[0.51, 0.26], [0.56, 0.26], [0.51, 0.31]]), [6]);
+        assert_eq!(texels([[0.51, 0.26], [0.51, 0.31], [0.56, 0.26]]), [6]);
+    }
+
+    #[test]
+    fn a_face_is_in_the_texels_that_it_touches() {
+        let corner = texels([[0.0, 0.0], [0.6, 0.0], [0.0, 0.6]]);
+        assert_eq!(corner, [0, 1, 2, 4, 5, 8]);
+        assert_eq!(texels([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]).len(), 13);
+    }
 }
