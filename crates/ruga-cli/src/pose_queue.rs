@@ -137,8 +137,8 @@ impl Queue<'_> {
         }
     }
 
-    /// Free threads that one number should have so that it ends when the others have done all that fits beside it, each by
-    /// itself; 0 where no time is planned.
+    /// Free threads that one number should have so that it ends when the others have done all that fits beside it,
+    /// each by itself; 0 where no time is planned.
     fn threads_for(&self, number: usize, state: &State) -> usize {
         let mut in_work = state.in_work.clone();
         in_work.push(number);

@@ -182,11 +182,11 @@ impl Patches {
 
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
-    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has: in the first sweep
-    /// to `settings`, later to [`LITTLE`], but to `settings` again where that did not move it. A state that is only
-    /// passed does without its second sweep where that would gain as little, by what the last second sweep gained. Sweeps
-    /// that do not get there, with an [`Extrapolation`] after the second and each that follows, end without, as the
-    /// patches' width says.
+    /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has: in the first
+    /// sweep to `settings`, later to [`LITTLE`], but to `settings` again where that did not move it. A state that is
+    /// only passed does without its second sweep where that would gain as little, by what the last second sweep
+    /// gained. Sweeps that do not get there, with an [`Extrapolation`] after the second and each that follows, end
+    /// without, as the patches' width says.
     /// `keep_going` is asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,

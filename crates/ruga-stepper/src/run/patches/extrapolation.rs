@@ -33,8 +33,8 @@ pub(super) struct Extrapolation {
 }
 
 impl Extrapolation {
-    /// Moves the coordinates `x`, where a sweep from `start` has led (both m), along the last directions to an energy of
-    /// the `whole` that is lower by more than `least` (J); false where there is none.
+    /// Moves the coordinates `x`, where a sweep from `start` has led (both m), along the last directions to an energy
+    /// of the `whole` that is lower by more than `least` (J); false where there is none.
     ///
     /// A direction changes a row by what its sweep restored of it, so that `x` may violate rows by some thousandths of
     /// a displacement; the next sweep restores that.

@@ -21,8 +21,8 @@ const WIDER: usize = 2;
 /// with others.
 const SLOWLY: f64 = 0.75;
 
-/// Share that some more sweeps with extrapolations leave of what one has gained that was slower than [`SLOWLY`]. More to go
-/// is not waited for; less is, because wide patches would begin with all of the layer again.
+/// Share that some more sweeps with extrapolations leave of what one has gained that was slower than [`SLOWLY`]. More
+/// to go is not waited for; less is, because wide patches would begin with all of the layer again.
 const LEFT_BY_MORE: f64 = 0.2;
 
 /// Sweeps of narrow patches, after which wide ones or the whole go on.
