@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use ruga_material::Wrinkling;
-use ruga_mesh::{Id, TriMesh, VertexId, edge_distances_with_starts};
+use ruga_mesh::{Id, TriMesh, VertexId, edge_distances_with_starts, vertex_areas};
 
 use crate::skin::fading::{distances_from, faded};
 use crate::skin::relief::FADE;
@@ -34,6 +34,11 @@ const CENTRES_AT_ONCE: usize = 4096;
 
 /// Radius (wavelengths) within which the surface may turn only so far.
 const TURN_RADIUS: f64 = 0.25;
+
+/// Radius (wavelengths) of the discs over which distances from flat skin are averaged, at most. Halfway between two
+/// borders that are less than a wavelength apart, as on lids, distances have a ridge, and along edges they are uneven:
+/// both would be short waves in the relief that they fade.
+const ROUNDED: f64 = 0.2;
 
 /// Demand of the surface below on a layer at a vertex, and the bend that the layer can follow.
 #[derive(Clone, Copy, Debug)]
@@ -104,8 +109,40 @@ pub(crate) fn wrinkled_shares(
     }
     let has_room = opened(&is_flat, SMALLEST_WRINKLED);
     let is_flat: Vec<bool> = has_room.into_iter().map(|room| !room).collect();
-    let from_flat = reaches(&is_flat, FADE).into_iter();
+    let from_flat = reaches(&is_flat, FADE + ROUNDED);
+    let from_flat = rounded((mesh, rest), demands, &from_flat).into_iter();
     from_flat.map(|distance| faded(distance, FADE)).collect()
+}
+
+/// Means of distances from flat skin (wavelengths) over discs that hold none of it; beyond the fade they are others that
+/// are beyond it.
+fn rounded(
+    (mesh, rest): (&TriMesh, &[Vector3<f64>]),
+    demands: &[VertexDemand],
+    distances: &[f64],
+) -> Vec<f64> {
+    let areas = vertex_areas(mesh, rest);
+    let beyond = FADE + ROUNDED;
+    let mean = |seen_from: &mut Vec<usize>, centre: usize| {
+        let own = distances[centre];
+        if own == 0.0 || own >= beyond {
+            return own.min(beyond);
+        }
+        // A wider disc would let relief begin at a slope.
+        let radius = own.min(ROUNDED) * demands[centre].wavelength;
+        let (mut sum, mut weights) = (0.0, 0.0);
+        any_in_disc((mesh, rest), (centre, radius), seen_from, |vertex| {
+            // Nothing at the rim: a mean would jump where a vertex comes in.
+            let away = (rest[vertex] - rest[centre]).norm() / radius;
+            let weight = areas[vertex] * (1.0 - away * away);
+            sum += weight * distances[vertex].min(beyond);
+            weights += weight;
+            false
+        });
+        // Collapsed triangles alone have no area.
+        if weights > 0.0 { sum / weights } else { own }
+    };
+    at_all_vertices(demands.len(), mean)
 }
 
 /// Centres of discs of a `radius` beside the others: vertices that are so far `away` from them (both in wavelengths),
@@ -149,34 +186,54 @@ fn sharply_bent(
         let demand = &demands[centre];
         let least_cosine = demand.turn.min(PI).cos();
         let radius = TURN_RADIUS * demand.wavelength;
-        let mut near = vec![VertexId::from_index(centre)];
-        seen_from[centre] = centre;
-        while let Some(vertex) = near.pop() {
-            let faces = mesh.vertex_faces(vertex).iter();
-            for other in faces.flat_map(|&face| mesh.faces()[face]) {
-                let i = other.index();
-                if seen_from[i] == centre || (rest[i] - rest[centre]).norm() > radius {
-                    continue;
-                }
-                if normals[i].dot(&normals[centre]) < least_cosine {
-                    return true;
-                }
-                seen_from[i] = centre;
-                near.push(other);
-            }
-        }
-        false
+        any_in_disc((mesh, rest), (centre, radius), seen_from, |vertex| {
+            normals[vertex].dot(&normals[centre]) < least_cosine
+        })
     };
-    let none_seen = || vec![usize::MAX; demands.len()];
-    let centres = (0..demands.len()).into_par_iter();
-    let states = centres
-        .with_min_len(CENTRES_AT_ONCE)
-        .map_init(none_seen, is_bent);
-    let states: Vec<bool> = states.collect();
+    let states = at_all_vertices(demands.len(), is_bent);
     let centres = states.iter().enumerate().filter(|(_, bent)| **bent);
     centres
         .map(|(centre, _)| VertexId::from_index(centre))
         .collect()
+}
+
+/// Values of a function of a vertex that keeps marks for [`any_in_disc`].
+fn at_all_vertices<T: Send>(
+    vertices: usize,
+    value: impl Fn(&mut Vec<usize>, usize) -> T + Send + Sync,
+) -> Vec<T> {
+    let none_seen = || vec![usize::MAX; vertices];
+    let centres = (0..vertices).into_par_iter();
+    let values = centres
+        .with_min_len(CENTRES_AT_ONCE)
+        .map_init(none_seen, value);
+    values.collect()
+}
+
+/// Whether something holds at a vertex of those that edges join to a centre within a radius (m), itself included; ends
+/// at the first. `seen_from` has the centre from which every vertex was seen last.
+fn any_in_disc(
+    (mesh, rest): (&TriMesh, &[Vector3<f64>]),
+    (centre, radius): (usize, f64),
+    seen_from: &mut [usize],
+    mut holds: impl FnMut(usize) -> bool,
+) -> bool {
+    let mut near = vec![VertexId::from_index(centre)];
+    seen_from[centre] = centre;
+    while let Some(vertex) = near.pop() {
+        if holds(vertex.index()) {
+            return true;
+        }
+        let faces = mesh.vertex_faces(vertex).iter();
+        for other in faces.flat_map(|&face| mesh.faces()[face]) {
+            let i = other.index();
+            if seen_from[i] != centre && (rest[i] - rest[centre]).norm() <= radius {
+                seen_from[i] = centre;
+                near.push(other);
+            }
+        }
+    }
+    false
 }
 
 #[cfg(test)]
@@ -267,6 +324,28 @@ mod tests {
         assert!(patch(0.0062, [0.0, 1.0])[50] == 0.0);
         assert!(patch(0.0017, [1.0, 0.0]).iter().all(|share| *share == 0.0));
         assert!(patch(0.0062, [1.0, 0.0])[50] > 0.9);
+    }
+
+    /// Wrinkled skin between borders three quarters of a wavelength apart: distances from them have a ridge halfway.
+    #[test]
+    fn relief_between_two_borders_has_no_ridge() {
+        let (mesh, rest) = strip();
+        let demand = |p: &Vector3<f64>| VertexDemand {
+            strain_ratio: f64::from((p.x - 0.05).abs() < 0.0152),
+            wavelength: 0.04,
+            turn: 1.0,
+        };
+        let demands: Vec<_> = rest.iter().map(demand).collect();
+        let normals = vec![Vector3::z(); 202];
+        let found = wrinkled_shares(&mesh, (&rest, &normals), &demands, &[false; 202]);
+        let found: Vec<f64> = found.into_iter().step_by(2).collect();
+        assert!(found[50] > 0.7, "{found:?}");
+        // The fade itself bends by 6/20² at most where it begins, a ridge of straight distances by 0.1.
+        let bends = found
+            .windows(3)
+            .map(|at| (at[0] - 2.0 * at[1] + at[2]).abs());
+        assert!(bends.fold(0.0, f64::max) < 0.025, "{found:?}");
+        assert!(found[..=34].iter().all(|share| *share == 0.0), "{found:?}");
     }
 
     /// A bend by a right angle over a length that is short, or long, beside a wavelength.
