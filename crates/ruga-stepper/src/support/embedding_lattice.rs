@@ -1,5 +1,6 @@
 //! The lattice inside a driver's surface, and where places of that surface are in it.
 
+mod lips;
 mod slits;
 
 use nalgebra::{Matrix3, Vector3};
@@ -10,6 +11,7 @@ use ruga_mesh::{
     FaceId, FaceOrigin, Id, MaterialPoint, PerFace, PerVertex, VertexId, vertex_normals,
 };
 
+use self::lips::Lips;
 use super::flesh::Flesh;
 use super::lattice_size::cells_for;
 use crate::{Body, CreaseSpec, StepperError};
@@ -18,8 +20,10 @@ use crate::{Body, CreaseSpec, StepperError};
 /// of a sphere then misses a thousandth of the volume.
 const ENOUGH_FACES: usize = 4000;
 
-/// Twice the distance from a slit, in heights of the triangles beside it, up to which places count as on its left.
-const NEAR_SLIT: f64 = 0.02;
+/// Distance from the faces on its own lip of a slit, in their heights, up to which a place is put on one of them rather
+/// than on a face of the other lip that it lies in. Lines are less than this off their chords, which the surface is cut
+/// along; where a line does more between two chords, as in a hairpin, the faces decide.
+const OFF_CHORD: f64 = 0.5;
 
 /// The body that a driver's surface encloses, as a lattice.
 ///
@@ -44,8 +48,8 @@ struct Faces {
     origins: PerFace<FaceOrigin>,
     /// Faces in every face of the driver.
     of_driver: Vec<Vec<FaceId>>,
-    /// Those that touch the left lip of a slit.
-    is_left: PerFace<bool>,
+    /// The lips of slits; `None` without any.
+    lips: Option<Lips>,
 }
 
 /// Places on both walls of slits that lie on each other at rest.
@@ -82,11 +86,7 @@ impl EmbeddingLattice {
             lattice: lattice.map_err(|error| in_the_file(error, driver, &surface))?,
             cells: spec.cells,
             sides,
-            faces: Faces::new(
-                surface.origins(),
-                driver.topology().face_count(),
-                PerFace::filled(surface.mesh().face_count(), false),
-            ),
+            faces: Faces::new(surface.origins(), driver.topology().face_count(), None),
             walls: None,
             surface,
         })
@@ -146,7 +146,7 @@ impl EmbeddingLattice {
 }
 
 impl Faces {
-    fn new(origins: &PerFace<FaceOrigin>, of_driver: usize, is_left: PerFace<bool>) -> Self {
+    fn new(origins: &PerFace<FaceOrigin>, of_driver: usize, lips: Option<Lips>) -> Self {
         let mut parts = vec![Vec::new(); of_driver];
         for (face, origin) in origins.iter() {
             parts[origin.face.index()].push(face);
@@ -154,27 +154,48 @@ impl Faces {
         Self {
             origins: origins.clone(),
             of_driver: parts,
-            is_left,
+            lips,
         }
     }
 
-    /// The place that has the same address as one of the driver's faces. One within a hundredth of an edge of a slit is
-    /// on its left: so are the layer's vertices on the line, but where that turns on an edge of the driver.
+    /// The place that has the same address as one of the driver's faces. Beside a slit it is on a face of its own lip,
+    /// also where the slit runs along a chord of its line, and the place lies between the two.
     fn address(&self, point: &MaterialPoint) -> MaterialPoint {
+        let Some(lips) = &self.lips else {
+            return self.innermost(&[*point], |_| 0.0);
+        };
+        // On an edge of the driver one of its faces may have the left lip, and another one the right.
+        let addresses = lips.addresses(point);
+        let lip = lips.of(&addresses);
+        self.innermost(&addresses, |face| match lip {
+            Some(lip) if lips.is_across(face, lip) => -OFF_CHORD,
+            _ => 0.0,
+        })
+    }
+
+    /// The place of one of these addresses that lies farthest inside of its face, in heights of that and with what is
+    /// a `gain` of the face added.
+    fn innermost(
+        &self,
+        addresses: &[MaterialPoint],
+        gain: impl Fn(FaceId) -> f64,
+    ) -> MaterialPoint {
         // A part without an area has no such coordinates.
-        let place = |&face: &FaceId| {
+        let place = |address: &MaterialPoint, face: FaceId| {
             let corners = self.origins[face].corners.map(Vector3::from);
             let inverse = Matrix3::from_columns(&corners).try_inverse()?;
-            let local = inverse * Vector3::from(point.barycentric);
+            let local = inverse * Vector3::from(address.barycentric);
             let barycentric = local.into();
             Some(MaterialPoint { face, barycentric })
         };
         let inside = |p: &MaterialPoint| {
             let inside = p.barycentric.iter().copied().fold(f64::MAX, f64::min);
-            inside + if self.is_left[p.face] { NEAR_SLIT } else { 0.0 }
+            inside + gain(p.face)
         };
-        let faces = self.of_driver[point.face.index()].iter();
-        let places = faces.filter_map(place);
+        let places = addresses.iter().flat_map(|address| {
+            let faces = self.of_driver[address.face.index()].iter();
+            faces.filter_map(move |&face| place(address, face))
+        });
         // Rounding may put a place on an edge outside of both faces beside it. The one that it is
         // least outside of serves as well.
         let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)));

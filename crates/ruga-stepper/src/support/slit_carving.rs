@@ -26,8 +26,8 @@ pub(crate) struct Carved {
     /// The faces before, of which those to the left of a slit have new vertices, then the walls.
     pub(crate) mesh: TriMesh,
     pub(crate) positions: Vec<Vector3<f64>>,
-    /// Whether a face of before touches the left lip of a slit.
-    pub(crate) is_left: PerFace<bool>,
+    /// Whether a face of before touches the left lip of a slit, and the right one.
+    pub(crate) touches: PerFace<[bool; 2]>,
     /// Slit of every wall.
     pub(crate) slits: Vec<usize>,
     /// Pairs of walls on both sides of a slit, by its number.
@@ -68,7 +68,7 @@ pub(crate) fn carve(
     let half = (0.5 * opening).min(SHARE_OF_HEIGHT * least_height(mesh, positions, &chains));
     let mut faces = mesh.faces().as_slice().to_vec();
     let mut places = positions.to_vec();
-    let mut is_left = PerFace::filled(faces.len(), false);
+    let mut touches = PerFace::filled(faces.len(), [false; 2]);
     let mut copies: BTreeMap<u32, Copies> = BTreeMap::new();
     for (&v, &(before, after)) in &chains.middles {
         let i = v as usize;
@@ -84,9 +84,15 @@ pub(crate) fn carve(
         };
         let left = add(positions[i] + across);
         let bottom = add(positions[i] + down);
-        for (face, corner) in left_faces(mesh, VertexId(v), (before.from, after.to)) {
-            faces[face.index()][corner] = left;
-            is_left[face] = true;
+        let on_left = left_faces(mesh, VertexId(v), (before.from, after.to));
+        for &face in mesh.vertex_faces(VertexId(v)) {
+            match on_left.iter().find(|(own, _)| *own == face) {
+                Some(&(_, corner)) => {
+                    faces[face.index()][corner] = left;
+                    touches[face][0] = true;
+                }
+                None => touches[face][1] = true,
+            }
         }
         let lips = [left, VertexId(v)];
         copies.insert(v, Copies { lips, bottom });
@@ -119,7 +125,7 @@ pub(crate) fn carve(
     Ok(Carved {
         mesh: mesh.expect("a surface that is cut along edges stays one"),
         positions: places,
-        is_left,
+        touches,
         slits,
         pairs,
     })

@@ -9,6 +9,7 @@ use ruga_crease::CreaseEdge;
 use ruga_lattice::{Embedding, Lattice, LatticeError, MAX_CELLS, Shape, cell_size};
 use ruga_mesh::{FaceId, Id, MaterialPoint, vertex_normals};
 
+use super::lips::Lips;
 use super::{EmbeddingLattice, Faces, Walls, spec_of, surface_of};
 use crate::error::{Checked, refuse, setting};
 use crate::skin::boundary_cut::Cut;
@@ -95,9 +96,11 @@ impl EmbeddingLattice {
             refuse(&slit.of, "slit", found, accepted)?;
         }
         let of_driver = driver.topology().face_count();
+        let lines = slits.iter().map(|slit| &slit.crease.line);
+        let lips = Lips::new(driver, lines, (&cut.piece.origins, carved.touches));
         Ok(Self {
             lattice,
-            faces: Faces::new(&cut.piece.origins, of_driver, carved.is_left),
+            faces: Faces::new(&cut.piece.origins, of_driver, Some(lips)),
             walls: Some(walls),
             ..self
         })

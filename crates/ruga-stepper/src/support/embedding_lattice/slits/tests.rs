@@ -11,6 +11,7 @@ use ruga_shell::FoldSense;
 use ruga_solver::{ConstraintRows, Kkt, NewtonSettings, Objective, minimise};
 
 use super::*;
+use crate::support::embedding_lattice::lips::Lip;
 use crate::test_drivers::{SIDES, block, knuckle};
 
 fn body(shape: Shape) -> Body {
@@ -321,24 +322,32 @@ fn smooth_bodies_are_cut_along_lines_any_way() {
     }
 }
 
-/// Another mesh of the same surface follows the line by other edges; what is on it goes with the left all the same, but
-/// where the line turns on an edge of the driver.
+/// Another mesh of the same surface follows the line by other chords. What is on the line goes with the left all the
+/// same, and what is beside it with its own side, however much the line bends and turns between the edges.
 #[test]
-fn lines_of_other_meshes_are_on_the_left() {
+fn other_meshes_lie_on_the_same_lips() {
     let driver = block();
     let plain = EmbeddingLattice::new(&driver, &body(Shape::Linear), 1e-3, Smoothing::Loop);
     let plain = plain.expect("a smooth block");
     let faces: Vec<FaceId> = driver.topology().faces().ids().collect();
     let tracer = LineTracer::new(driver.topology(), driver.rest());
-    for (way, turns) in [
-        ([[0.3, 0.25], [0.5, 0.45], [0.7, 0.75]], 0),
-        ([[0.3, 0.25], [0.48, 0.52], [0.7, 0.3]], 1),
+    let arc = |turn: f64| {
+        let (sin, cos) = turn.sin_cos();
+        [0.5 + 0.23 * cos, 0.55 + 0.3 * sin]
+    };
+    let half_ring: Vec<_> = (-12..=12).map(|i| arc(f64::from(i) / 8.0)).collect();
+    for way in [
+        vec![[0.3, 0.25], [0.5, 0.45], [0.7, 0.75]],
+        vec![[0.3, 0.25], [0.48, 0.52], [0.7, 0.3]],
+        // Along edges of the driver.
+        vec![[0.2, 0.5], [0.5, 0.5], [0.8, 0.5]],
+        half_ring,
     ] {
         let mut layer = slitted(&driver, &[across(0.05)], 4e-3);
+        let points = way.iter();
+        let points = points.map(|[x, y]| Vector3::new(x * SIDES[0], y * SIDES[1], SIDES[2]));
         let line = tracer.trace(&LineInput::Positions {
-            points: way
-                .map(|[x, y]| Vector3::new(x * SIDES[0], y * SIDES[1], SIDES[2]))
-                .to_vec(),
+            points: points.collect(),
             is_closed: false,
             reach: 1e-4,
             corners: Corners::Round,
@@ -348,26 +357,44 @@ fn lines_of_other_meshes_are_on_the_left() {
         let on = (driver.as_ref(), Smoothing::Loop);
         let cut = plain.clone();
         let cut = cut.with_slits(on, &body(Shape::Linear), &[layer.clone()], &flesh);
-        let cut = cut.expect("a slit");
-        for levels in [1, 2, 3] {
+        let cut = cut.unwrap_or_else(|error| panic!("{way:?}: {error}"));
+        let lips = cut.faces.lips.as_ref().expect("a slit");
+        for levels in 2..=6 {
             let other = BaseSurface::new(&driver, &faces, levels, Smoothing::Loop);
             let other = cut_along_creases(&driver, &layer.creases, Cut::none(Piece::of(&other)));
+            let mesh = &other.piece.mesh;
             let length = layer.creases[0].line.length();
-            let vertices = other.creases.iter().flat_map(|crease| {
-                let ends = other.piece.mesh.edges()[crease.edge].vertices;
-                ends.into_iter().zip(crease.at)
-            });
-            // The slit runs out where it ends.
-            let inside = vertices.filter(|(_, at)| at.min(length - at) > 0.1 * length);
-            let is_right = |v: VertexId| {
+            let ends = |crease: &CreaseEdge| mesh.edges()[crease.edge].vertices;
+            let on_line: BTreeSet<VertexId> = other.creases.iter().flat_map(ends).collect();
+            let is_across = |v: VertexId, lip: Lip| {
                 let address = cut.address(&other.piece.points[v.index()]);
-                !cut.faces.is_left[address.face]
+                lips.is_across(address.face, lip)
             };
-            let all: BTreeSet<VertexId> = inside.map(|(v, _)| v).collect();
-            let right = all.iter().filter(|v| is_right(**v)).count();
+            // The slit runs out where it ends.
+            let inside = other.creases.iter().filter(|crease| {
+                let [from, to] = crease.at;
+                from.min(to).min(length - from.max(to)) > 0.1 * length
+            });
+            let (mut count, mut across) = (0, [0; 2]);
+            for crease in inside {
+                count += 1;
+                let own = ends(crease);
+                across[0] += own.iter().filter(|v| is_across(**v, Lip::Left)).count();
+                let is_along = crease.at[0] < crease.at[1];
+                for (side, face) in mesh.edges()[crease.edge].faces.into_iter().enumerate() {
+                    let corners = mesh.faces()[face.expect("an edge inside")];
+                    let apex = corners.into_iter().filter(|v| !on_line.contains(v));
+                    let lip = if (side == 0) == is_along {
+                        Lip::Left
+                    } else {
+                        Lip::Right
+                    };
+                    across[1] += apex.filter(|v| is_across(*v, lip)).count();
+                }
+            }
             assert!(
-                all.len() > 1 && right <= turns,
-                "{way:?}, {levels}: {right}"
+                count > 1 && across == [0; 2],
+                "{way:?}, {levels}: {across:?} of {count}"
             );
         }
     }
