@@ -13,9 +13,9 @@ static ALLOCATOR: MiMalloc = MiMalloc;
 /// Number of the allocator's option `mi_option_purge_delay`, which its bindings do not name.
 const PURGE_DELAY: libmimalloc_sys::mi_option_t = 15;
 
-/// Milliseconds after which freed memory goes back to the system. With the allocator's own 1000 a smile takes 548 MB
-/// instead of 482, because what a pose is solved with is still there when its surfaces are made; with 30 it takes 455
-/// and a tenth more time.
+/// Milliseconds after which freed memory goes back to the system. With the allocator's own 1000 a smile takes 548
+/// thousand kB instead of 481, because what a pose is solved with is still there when its surfaces are made; with 30 it
+/// takes 455 and a tenth more time.
 const PURGE_AFTER: std::ffi::c_long = 150;
 
 fn main() -> ExitCode {

@@ -382,14 +382,12 @@ mod tests {
 
     use super::*;
 
-    /// Two sheets on one mesh have twice as many vertices as it has places, and are not divided.
-    #[test]
-    fn a_pair_of_sheets_is_solved_as_a_whole() {
+    /// A strip of 82 vertices in two rows, where it rests.
+    pub(super) fn strip() -> (TriMesh, Vec<Vector3<f64>>, LayerParameters) {
         let faces = (0..40).map(|i| 2 * i);
         let faces = faces.flat_map(|a| [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
         let mesh = TriMesh::new(82, faces.collect()).expect("a strip");
         let place = |i: usize| Vector3::new((i / 2) as f64, (i % 2) as f64, 0.0);
-        let rest: Vec<_> = (0..82).map(place).collect();
         let face = FaceParameters {
             young: 1.0,
             poisson: 0.5,
@@ -398,6 +396,13 @@ mod tests {
             gradient_stiffness: 0.0,
         };
         let parameters = LayerParameters::uniform(face, 80, 1.0, 82);
+        (mesh, (0..82).map(place).collect(), parameters)
+    }
+
+    /// Two sheets on one mesh have twice as many vertices as it has places, and are not divided.
+    #[test]
+    fn a_pair_of_sheets_is_solved_as_a_whole() {
+        let (mesh, rest, parameters) = strip();
         let above = UpperSheet {
             rest_positions: rest.iter().map(|x| x + 0.1 * Vector3::z()).collect(),
             parameters: parameters.clone(),

@@ -123,32 +123,19 @@ impl Extrapolation {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::Vector3;
     use ruga_material::{LayerMaterial, Substrate, WavelengthModel, wrinkling};
-    use ruga_mesh::TriMesh;
-    use ruga_shell::{BendingModel, FaceParameters, LayerEnergy, LayerParameters};
+    use ruga_shell::{BendingModel, LayerEnergy};
     use ruga_solver::ConstraintRows;
 
     use super::super::Scales;
+    use super::super::tests::strip;
     use super::*;
 
     /// Nine tenths of a shape are left by a sweep: the step goes on to where the energy is lowest, and gains nothing
     /// from there.
     #[test]
     fn a_step_ends_where_the_energy_along_the_last_sweep_is_lowest() {
-        let faces = (0..40).map(|i| 2 * i);
-        let faces = faces.flat_map(|a| [[a, a + 2, a + 1], [a + 1, a + 2, a + 3]]);
-        let mesh = TriMesh::new(82, faces.collect()).expect("a strip");
-        let place = |i: usize| Vector3::new((i / 2) as f64, (i % 2) as f64, 0.0);
-        let rest: Vec<_> = (0..82).map(place).collect();
-        let face = FaceParameters {
-            young: 1.0,
-            poisson: 0.4,
-            thickness: 0.1,
-            normal_stiffness: 1.0,
-            gradient_stiffness: 0.0,
-        };
-        let parameters = LayerParameters::uniform(face, 80, 1.0, 82);
+        let (mesh, rest, parameters) = strip();
         let (held, model) = ([false; 82], BendingModel::VertexCurvature);
         let energy = LayerEnergy::with_bending(&mesh, &rest, parameters, &held, model);
         let energy = energy.expect("a layer");
