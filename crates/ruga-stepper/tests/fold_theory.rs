@@ -135,8 +135,8 @@ fn anchored(spec: CreaseSpec, degrees: f64, anchor: CreaseAnchor) -> CreaseSpec 
 /// 12 to 22 % and a stiff one 3 to 6.
 #[test]
 fn averages_leave_an_anchor_its_depth() {
-    // Measured: 0.950 to 1.052, the highest where skin is stretched, and 0.993 to 1.016.
-    for (stiffness, bounds) in [(2.0, 0.94..1.06), (20.0, 0.985..1.02)] {
+    // Measured: 0.955 to 1.042, the highest where skin is stretched, and 0.993 to 1.016.
+    for (stiffness, bounds) in [(2.0, 0.94..1.05), (20.0, 0.985..1.02)] {
         for (slant, strain) in [(0.0, -0.02), (0.03, 0.0), (0.06, 0.018), (0.09, 0.04)] {
             let anchor = CreaseAnchor {
                 depth: 2e-4,
@@ -152,27 +152,39 @@ fn averages_leave_an_anchor_its_depth() {
     }
 }
 
-/// Of a line that is to fold by 40 degrees too, at rest; pressed until it folds by itself large deflections limit its
-/// depth, of which the theory of what the anchor pulls with knows nothing. Measured: 0.977 to 0.993 at rest; 0.83 to 0.91 and
-/// 0.94 to 0.99 where it folds by itself; 0.94 to 1.02 where the skin wrinkles as well.
+/// Mean depths of a line that is to fold by 40 degrees, with averages over without.
+///
+/// Averages hold skin along the surface, too: what a fold takes up of its length comes from nearer by, which without an
+/// anchor costs a fifth of its depth where it folds by itself. Of what an anchor draws it to they take less.
 #[test]
-fn averages_leave_an_anchored_fold_most_of_its_depth() {
-    for (stiffness, strain, bounds) in [
-        (2.0, 0.0, 0.96..1.01),
-        (2.0, 0.045, 0.81..0.95),
-        (2.0, 0.08, 0.92..1.04),
-        (20.0, 0.0, 0.97..1.01),
-        (20.0, 0.045, 0.92..1.0),
-        (20.0, 0.08, 0.96..1.03),
+fn averages_leave_an_anchored_fold_its_depth() {
+    let mean_depths = |anchor: Option<CreaseAnchor>, strain: f64| {
+        let mut spec = crease(&driver(), 0.03);
+        spec.law.angle = 40_f64.to_radians();
+        spec.anchor = anchor;
+        let [elastic, hybrid] = [Coupling::Elastic, Coupling::Hybrid].map(|coupling| {
+            let layer = creased(spec.clone(), coupling);
+            let result = shortened(&layer, strain, &Modelling::standard());
+            result.layers[0].creases[0].depth
+        });
+        hybrid / elastic
+    };
+    for (strain, [least_soft, least_stiff]) in [
+        (0.0, [0.98, 0.99]),
+        (0.045, [0.87, 0.97]),
+        (0.08, [0.91, 0.98]),
     ] {
-        for depth in [4e-4, 1e-3] {
-            let anchor = CreaseAnchor { depth, stiffness };
-            let ratio = averaged(&anchored(crease(&driver(), 0.03), 40.0, anchor), strain);
-            println!("anchor {stiffness} to {depth} m, strain {strain}: {ratio:.4}");
-            assert!(
-                bounds.contains(&ratio),
-                "{stiffness} {depth} {strain}: {ratio}"
-            );
+        let free = mean_depths(None, strain);
+        println!("strain {strain}, no anchor: {free:.4}");
+        for (stiffness, least) in [(2.0, free.max(least_soft)), (20.0, free.max(least_stiff))] {
+            for depth in [4e-4, 1e-3] {
+                let ratio = mean_depths(Some(CreaseAnchor { depth, stiffness }), strain);
+                println!("anchor {stiffness} to {depth} m, strain {strain}: {ratio:.4}");
+                assert!(
+                    (least..1.01).contains(&ratio),
+                    "{stiffness} {depth} {strain}: {ratio}, {free} without an anchor"
+                );
+            }
         }
     }
 }

@@ -7,6 +7,7 @@ mod equilibrium;
 mod face_states;
 mod load;
 mod output;
+mod pulls;
 mod snapshot;
 #[cfg(test)]
 mod tests;
@@ -39,6 +40,7 @@ use crate::{LayerSpec, StepperError};
 use absorption::Bands;
 use creases::CreaseStrengths;
 use output::{Output, Shown, interpolation_to};
+use pulls::ToldPulls;
 
 pub(crate) use absorption::Absorption;
 pub(crate) use load::LayerState;
@@ -121,6 +123,8 @@ pub(crate) struct Layer {
     /// Warning about its averaging constraints.
     pub(crate) row_warning: Option<String>,
     rows: ConstraintRows,
+    /// What the rows are told of the pulls of anchors; `None` for what theory expects.
+    told_pulls: Option<ToldPulls>,
     /// Sparsity of the layer's matrix, once it was asked for: in patches a layer is solved without.
     pattern: OnceLock<LowerPattern>,
 }
@@ -307,6 +311,7 @@ impl Layer {
             centres,
             row_warning,
             rows,
+            told_pulls: None,
             pattern: OnceLock::new(),
         };
         layer.add_noise(seed);

@@ -38,6 +38,10 @@ const LAG: f64 = 1e-3;
 /// Solves after which a body that still gives way under its layer is taken as it is.
 const MOST_SOLVES: usize = 4;
 
+/// Solves after the first in which averaging constraints are told what anchors pull with. Each leaves a fifth of what
+/// the one before was off.
+const MOST_PULLS: usize = 4;
+
 /// The convexification that a solve is tried with first, over what the last one needed: lets it shrink.
 pub(crate) const SLOWLY_LESS: f64 = 0.97;
 
@@ -281,8 +285,36 @@ impl<'a> LayerRun<'a> {
         }
     }
 
-    /// Finds the equilibrium, or the end of a step in time.
+    /// Finds the equilibrium, or the end of a step in time, in which averaging constraints know what anchors pull with.
     fn solve(
+        &mut self,
+        inertia: Option<&Inertia>,
+        how: (AtSaddle, Accuracy),
+        pose_fraction: f64,
+        observer: &mut dyn Observer,
+    ) -> Result<SolveReport, StepperError> {
+        self.layer.forget_pulls();
+        let mut solve = self.solve_once(inertia, how, pose_fraction, observer)?;
+        // From a state that is only passed the next one begins with what theory expects again.
+        let most = match how.1 {
+            Accuracy::Result => MOST_PULLS,
+            Accuracy::Passing => 0,
+        };
+        for _ in 0..most {
+            if !solve.converged || !self.layer.take_pulls() {
+                break;
+            }
+            let again = self.solve_once(inertia, how, pose_fraction, observer)?;
+            solve = SolveReport {
+                left_saddle: solve.left_saddle || again.left_saddle,
+                ..again
+            };
+        }
+        Ok(solve)
+    }
+
+    /// The same with what the layer takes the anchors to pull with.
+    fn solve_once(
         &mut self,
         inertia: Option<&Inertia>,
         (at_saddle, accuracy): (AtSaddle, Accuracy),

@@ -387,6 +387,15 @@ impl Solid {
         self.lattice.value(&self.state.q)
     }
 
+    /// Derivative of the energy of the line anchors by a layer's vertices at `x` (m), some of which are there several
+    /// times, N.
+    pub(crate) fn anchor_pulls(&self, x: &[Vector3<f64>]) -> Vec<(u32, Vector3<f64>)> {
+        let anchors = self.anchors.as_ref();
+        anchors.map_or_else(Vec::new, |anchors| {
+            anchors.gradient(x, &self.state.q).on_vertices
+        })
+    }
+
     /// Energy of the line anchors between it and a layer with its vertices at `x` (m), J.
     pub(crate) fn anchor_energy(&self, x: &[Vector3<f64>]) -> f64 {
         let anchors = self.anchors.as_ref();

@@ -1,12 +1,10 @@
 //! The creases of a layer: how they are drawn, and how they have folded.
 
-use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-use nalgebra::Vector2;
 use ruga_blend::Weights;
-use ruga_material::{CreaseLoad, Wrinkling, anchor_pull};
-use ruga_mesh::{EdgeId, FaceId, Id, VertexId, triangle_frame};
+use ruga_material::Wrinkling;
+use ruga_mesh::{EdgeId, FaceId, Id};
 use ruga_shell::{Crease, LineAnchor};
 
 use super::absorption::AbsorbedFold;
@@ -150,7 +148,7 @@ impl Layer {
     }
 
     /// The crease on an edge on one, by its rank among these, drawn as now.
-    fn drawn_crease(&self, rank: usize) -> Crease {
+    pub(super) fn drawn_crease(&self, rank: usize) -> Crease {
         let (on_edge, strengths) = (&self.skin.creases[rank], &self.crease_strengths);
         let spec = &self.spec.creases[on_edge.line];
         let wave = |face| &self.properties.faces[face].wrinkling;
@@ -186,7 +184,7 @@ impl Layer {
     }
 
     /// What holds an edge on a crease down, by its rank among these, drawn as now; `None` without an anchor.
-    fn drawn_anchor(&self, rank: usize) -> Option<LineAnchor> {
+    pub(super) fn drawn_anchor(&self, rank: usize) -> Option<LineAnchor> {
         let on_edge = &self.skin.creases[rank];
         let spec = &self.spec.creases[on_edge.line];
         let anchor = spec.anchor?;
@@ -212,68 +210,8 @@ impl Layer {
         })
     }
 
-    /// How far the anchors of creases draw the base of the layer down where averages are taken of it, by vertices (m).
-    ///
-    /// What an anchor pulls with, the foundation carries: in the mean the skin beside it lies lower. Averages that were
-    /// held where they are without anchors would take that back, of a soft one a fifth of its depth. How hard it pulls
-    /// is what the linear theory of one straight line says at the present compression across it.
-    pub(super) fn drawn_down(&self) -> Vec<(usize, f64)> {
-        let mut pulls: BTreeMap<usize, f64> = BTreeMap::new();
-        for rank in 0..self.skin.creases.len() {
-            let Some(anchor) = self.drawn_anchor(rank) else {
-                continue;
-            };
-            let ends = self.skin.mesh.edges()[anchor.edge].vertices.map(Id::index);
-            let [from, to] = ends.map(|v| self.skin.rest.positions[v]);
-            for (v, depth) in ends.into_iter().zip(anchor.depths) {
-                let half = 0.5 * (to - from).norm();
-                *pulls.entry(v).or_default() += half * self.pull(rank, (anchor.stiffness, depth));
-            }
-        }
-        let way = |(v, pull): (usize, f64)| (v, pull / self.carrying(v));
-        pulls.into_iter().map(way).collect()
-    }
-
-    /// Force per length (N/m) with which springs of a `stiffness` (Pa) draw the crease on an edge to a `depth` (m).
-    fn pull(&self, rank: usize, (stiffness, depth): (f64, f64)) -> f64 {
-        let edge = self.skin.creases[rank].edge;
-        let crease = self.drawn_crease(rank);
-        let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
-        let [from, to] = mesh.edges()[edge].vertices.map(|v| rest[v.index()]);
-        self.beside(edge, |face| {
-            let wave = &self.properties.faces[face].wrinkling;
-            let frame = triangle_frame(&mesh.faces()[face].map(|v| rest[v.index()]));
-            let along = frame.map(|axis| axis.dot(&(to - from)));
-            let across = Vector2::new(-along[1], along[0]).normalize();
-            // Lengths are those of skin that is held in full, also where less of the foundation is left.
-            let foundation = wave.normal_stiffness * self.absorption.carried(face.index());
-            let unit = foundation / wave.wave_number;
-            let pull = anchor_pull(&CreaseLoad {
-                load: wave.reduced_load(self.strain_ratios().across(face, &across)),
-                stiffness: wave.crease_stiffness(crease.compliance * wave.bending_stiffness),
-                rest_angle: crease.rest_angle,
-                anchor: stiffness / unit,
-                anchor_depth: depth * wave.wave_number,
-            });
-            pull * unit / wave.wave_number
-        })
-    }
-
-    /// Stiffness of the foundation below a vertex, N/m.
-    fn carrying(&self, vertex: usize) -> f64 {
-        let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
-        let faces = mesh.vertex_faces(VertexId::from_index(vertex)).iter();
-        let of_face = |&face: &FaceId| {
-            let [a, b, c] = mesh.faces()[face].map(|v| rest[v.index()]);
-            let stiffness = self.properties.faces[face].wrinkling.normal_stiffness;
-            let third = (b - a).cross(&(c - a)).norm() / 6.0;
-            third * stiffness * self.absorption.carried(face.index())
-        };
-        faces.map(of_face).sum()
-    }
-
     /// Mean over the faces beside an edge.
-    fn beside(&self, edge: EdgeId, value: impl Fn(FaceId) -> f64) -> f64 {
+    pub(super) fn beside(&self, edge: EdgeId, value: impl Fn(FaceId) -> f64) -> f64 {
         let faces = self.skin.mesh.edges()[edge].faces;
         let values = faces.into_iter().flatten().map(value);
         let (sum, count) = values.fold((0.0, 0), |(sum, n), value| (sum + value, n + 1));

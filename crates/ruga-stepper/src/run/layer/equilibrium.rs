@@ -125,25 +125,38 @@ impl Layer {
         }
     }
 
-    /// Right-hand sides of the layer's constraints: averages of the support surface.
+    /// Right-hand sides of the layer's constraints: averages of the support surface, and of what anchors draw it down.
     fn row_targets(&self) -> Result<Vec<f64>, SolverError> {
-        if let Some(solid) = &self.solid {
-            // On a body the rows hold differences from its surface, so that only held nodes are on
-            // the right side.
-            return Ok(solid.row_targets());
-        }
         let mut targets = vec![0.0; self.rows.count()];
         if targets.is_empty() {
             return Ok(targets);
         }
-        let mut base = self.base.clone();
-        // Where rows act alone nothing else carries what an anchor pulls with.
-        if self.spec.coupling.has_foundation() {
-            for (v, way) in self.drawn_down() {
-                base[v] -= way * self.support.posed.normals[v];
+        let drawn = self.drawn_down();
+        match &self.solid {
+            None => {
+                let base = match drawn {
+                    None => gather(&self.free, &self.base),
+                    Some(drawn) => {
+                        let base = self.base.iter().zip(&drawn);
+                        let base: Vec<_> = base.map(|(base, way)| base + way).collect();
+                        gather(&self.free, &base)
+                    }
+                };
+                self.rows.mul(&base, &mut targets)?;
+            }
+            // On a body the rows hold differences from its surface, so that only held nodes are on
+            // the right side.
+            Some(solid) => {
+                if let Some(drawn) = drawn {
+                    let mut ways = gather(&self.free, &drawn);
+                    ways.resize(self.rows.unknowns(), 0.0);
+                    self.rows.mul(&ways, &mut targets)?;
+                }
+                for (target, held) in targets.iter_mut().zip(solid.row_targets()) {
+                    *target += held;
+                }
             }
         }
-        self.rows.mul(&gather(&self.free, &base), &mut targets)?;
         Ok(targets)
     }
 

@@ -1,0 +1,286 @@
+//! What the anchors of creases pull with, and what averaging constraints have to know of it.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use nalgebra::{Vector2, Vector3};
+use ruga_material::{CreaseLoad, anchor_pull};
+use ruga_mesh::{FaceId, Id, VertexId, triangle_frame};
+use ruga_shell::LineAnchor;
+
+use super::Layer;
+
+/// Change of what anchors pull with, as the way their springs stretch with it, over the depth to which they draw a line
+/// at most, that is not worth another solve: of a wrong pull a line takes up a fifth to two fifths, against it.
+const SETTLED: f64 = 0.03;
+
+/// Share of the first change that is taken over, since the line will take up the rest.
+const FIRST_SHARE: f64 = 0.8;
+
+/// Shares of later changes that are taken over.
+const LEAST_SHARE: f64 = 0.3;
+const MOST_SHARE: f64 = 1.0;
+
+/// How far what anchors pull with draws skin down in the mean, by vertices (m).
+type DrawnDown = Vec<(usize, f64)>;
+
+/// What averaging constraints are told of the pulls of anchors after a first solve.
+#[derive(Clone, Debug)]
+pub(super) struct ToldPulls {
+    drawn: DrawnDown,
+    /// What the solve before found them to be off by, and the share of that which was taken over.
+    off: Vec<f64>,
+    share: f64,
+}
+
+/// An edge on a crease with an anchor.
+struct AnchoredEdge {
+    /// Its number among the edges on creases.
+    rank: usize,
+    /// The number of its line.
+    line: usize,
+    anchor: LineAnchor,
+    /// The vertices at its ends.
+    ends: [usize; 2],
+    /// Length at rest, m.
+    length: f64,
+}
+
+impl ToldPulls {
+    /// The share of what pulls are `off` by now that is taken over: that which would have left least of what they were
+    /// off by before.
+    fn next_share(&self, off: &[f64]) -> f64 {
+        let (mut along, mut square) = (0.0, 0.0);
+        for (before, off) in self.off.iter().zip(off) {
+            let change = before - off;
+            along += before * change;
+            square += change * change;
+        }
+        if square > 0.0 {
+            (self.share * along / square).clamp(LEAST_SHARE, MOST_SHARE)
+        } else {
+            self.share
+        }
+    }
+}
+
+impl Layer {
+    /// What anchors pull with moves every vertex by, where averages are taken of it (m); `None` where none does.
+    pub(super) fn drawn_down(&self) -> Option<Vec<Vector3<f64>>> {
+        let told = self.told();
+        if told.is_empty() {
+            return None;
+        }
+        let mut ways = vec![Vector3::zeros(); self.base.len()];
+        for (v, way) in told.iter() {
+            ways[*v] = -way * self.support.posed.normals[*v];
+        }
+        Some(ways)
+    }
+
+    /// Forgets what anchors were found to pull with: the next solve begins with what theory expects.
+    pub(crate) fn forget_pulls(&mut self) {
+        self.told_pulls = None;
+    }
+
+    /// Takes over what anchors pull with in the present state, an equilibrium; whether it differs so much from what the
+    /// averaging constraints were told that it has to be found again.
+    pub(crate) fn take_pulls(&mut self) -> bool {
+        if self.rows.count() == 0 {
+            return false;
+        }
+        let told = self.told();
+        let found = self.present_pulls();
+        let pairs = told.iter().zip(&found);
+        let off = |((v, told), (_, found)): (&(usize, f64), &(usize, f64))| {
+            // Beside lines that take up compression little carries the skin, and a way is long for a small pull.
+            let is_known = self.is_carried_in_full(*v);
+            if is_known { found - told } else { 0.0 }
+        };
+        let off: Vec<f64> = pairs.map(off).collect();
+        if self.has_settled(&told, &off) {
+            return false;
+        }
+        let share = match &self.told_pulls {
+            Some(before) => before.next_share(&off),
+            None => FIRST_SHARE,
+        };
+        let drawn = told.iter().zip(&off);
+        let drawn = drawn.map(|((v, way), off)| (*v, way + share * off));
+        self.told_pulls = Some(ToldPulls {
+            drawn: drawn.collect(),
+            off,
+            share,
+        });
+        true
+    }
+
+    /// What averaging constraints are told that anchors pull with.
+    fn told(&self) -> Cow<'_, DrawnDown> {
+        match &self.told_pulls {
+            Some(told) => Cow::Borrowed(&told.drawn),
+            // Where rows act alone nothing else carries what an anchor pulls with.
+            None if !self.spec.coupling.has_foundation() => Cow::Owned(DrawnDown::new()),
+            None => Cow::Owned(self.predicted_pulls()),
+        }
+    }
+
+    /// Whether pulls that are off by so much (as ways of the skin, m) leave lines where they are.
+    fn has_settled(&self, told: &DrawnDown, off: &[f64]) -> bool {
+        let mut deepest: BTreeMap<usize, f64> = BTreeMap::new();
+        for edge in self.anchored_edges() {
+            let of_line = deepest.entry(edge.line).or_default();
+            for depth in edge.anchor.depths {
+                *of_line = of_line.max(depth.abs());
+            }
+        }
+        let mut springs: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        for edge in self.anchored_edges() {
+            for v in edge.ends {
+                let (stiffness, depth) = springs.entry(v).or_default();
+                *stiffness += 0.5 * edge.length * edge.anchor.stiffness;
+                *depth = depth.max(deepest[&edge.line]);
+            }
+        }
+        let mut ways = told.iter().zip(off);
+        ways.all(|((v, _), off)| {
+            let (stiffness, depth) = springs[v];
+            (off * self.carrying(*v)).abs() <= SETTLED * depth * stiffness
+        })
+    }
+
+    /// How far the anchors of creases draw the layer down where averages are taken of it, with what theory expects
+    /// them to pull with.
+    ///
+    /// What an anchor pulls with, the foundation carries: in the mean the skin beside it lies lower. Averages that were
+    /// held where they are without anchors would take that back, of a soft one a fifth of its depth. How hard it pulls
+    /// is what the linear theory of one straight line says at the present compression across it.
+    fn predicted_pulls(&self) -> DrawnDown {
+        self.drawn_by(|edge| {
+            let pull =
+                |depth| 0.5 * edge.length * self.pull(edge.rank, (edge.anchor.stiffness, depth));
+            edge.anchor.depths.map(pull)
+        })
+    }
+
+    /// The same with what they pull with in the present state: at a line that folds by itself large deflections limit
+    /// the depth, of which the linear theory knows nothing.
+    fn present_pulls(&self) -> DrawnDown {
+        if let Some(solid) = &self.solid {
+            let mut pulls: BTreeMap<usize, f64> = BTreeMap::new();
+            for (v, slope) in solid.anchor_pulls(&self.positions) {
+                let v = v as usize;
+                *pulls.entry(v).or_default() += slope.dot(&self.support.posed.normals[v]);
+            }
+            return self.ways(pulls);
+        }
+        let heights = self.heights();
+        self.drawn_by(|edge| {
+            let [u, v] = [0, 1].map(|end| heights[edge.ends[end]] + edge.anchor.depths[end]);
+            let unit = edge.anchor.stiffness * edge.length / 6.0;
+            [unit * (2.0 * u + v), unit * (u + 2.0 * v)]
+        })
+    }
+
+    /// How far pulls (N) at the ends of edges draw the layer down, by vertices.
+    fn drawn_by(&self, pulls: impl Fn(&AnchoredEdge) -> [f64; 2]) -> DrawnDown {
+        let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
+        for edge in self.anchored_edges() {
+            for (v, pull) in edge.ends.into_iter().zip(pulls(&edge)) {
+                *sums.entry(v).or_default() += pull;
+            }
+        }
+        self.ways(sums)
+    }
+
+    /// How far pulls (N) draw the layer down in the mean, by vertices.
+    fn ways(&self, pulls: BTreeMap<usize, f64>) -> DrawnDown {
+        let way = |(v, pull): (usize, f64)| (v, pull / self.carrying(v));
+        pulls.into_iter().map(way).collect()
+    }
+
+    /// The edges on creases with an anchor, drawn as now.
+    fn anchored_edges(&self) -> impl Iterator<Item = AnchoredEdge> + '_ {
+        (0..self.skin.creases.len()).filter_map(|rank| {
+            let anchor = self.drawn_anchor(rank)?;
+            let ends = self.skin.mesh.edges()[anchor.edge].vertices.map(Id::index);
+            let [from, to] = ends.map(|v| self.skin.rest.positions[v]);
+            Some(AnchoredEdge {
+                rank,
+                line: self.skin.creases[rank].line,
+                anchor,
+                ends,
+                length: (to - from).norm(),
+            })
+        })
+    }
+
+    /// Force per length (N/m) with which springs of a `stiffness` (Pa) draw the crease on an edge to a `depth` (m).
+    fn pull(&self, rank: usize, (stiffness, depth): (f64, f64)) -> f64 {
+        let edge = self.skin.creases[rank].edge;
+        let crease = self.drawn_crease(rank);
+        let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
+        let [from, to] = mesh.edges()[edge].vertices.map(|v| rest[v.index()]);
+        self.beside(edge, |face| {
+            let wave = &self.properties.faces[face].wrinkling;
+            let frame = triangle_frame(&mesh.faces()[face].map(|v| rest[v.index()]));
+            let along = frame.map(|axis| axis.dot(&(to - from)));
+            let across = Vector2::new(-along[1], along[0]).normalize();
+            // Lengths are those of skin that is held in full, also where less of the foundation is left.
+            let foundation = wave.normal_stiffness * self.absorption.carried(face.index());
+            let unit = foundation / wave.wave_number;
+            let pull = anchor_pull(&CreaseLoad {
+                load: wave.reduced_load(self.strain_ratios().across(face, &across)),
+                stiffness: wave.crease_stiffness(crease.compliance * wave.bending_stiffness),
+                rest_angle: crease.rest_angle,
+                anchor: stiffness / unit,
+                anchor_depth: depth * wave.wave_number,
+            });
+            pull * unit / wave.wave_number
+        })
+    }
+
+    /// Whether all of the foundation holds the faces around a vertex.
+    fn is_carried_in_full(&self, vertex: usize) -> bool {
+        let faces = self.skin.mesh.vertex_faces(VertexId::from_index(vertex));
+        let mut carried = faces
+            .iter()
+            .map(|face| self.absorption.carried(face.index()));
+        carried.all(|share| share == 1.0)
+    }
+
+    /// Stiffness of the foundation below a vertex, N/m.
+    fn carrying(&self, vertex: usize) -> f64 {
+        let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
+        let faces = mesh.vertex_faces(VertexId::from_index(vertex)).iter();
+        let of_face = |&face: &FaceId| {
+            let [a, b, c] = mesh.faces()[face].map(|v| rest[v.index()]);
+            let stiffness = self.properties.faces[face].wrinkling.normal_stiffness;
+            let third = (b - a).cross(&(c - a)).norm() / 6.0;
+            third * stiffness * self.absorption.carried(face.index())
+        };
+        faces.map(of_face).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a wrong pull the line takes up seven tenths, against it.
+    #[test]
+    fn the_second_change_leaves_nothing_where_lines_answer_alike() {
+        let answer = 0.7;
+        let first = [1.0, -2.0];
+        let told = ToldPulls {
+            drawn: Vec::new(),
+            off: first.to_vec(),
+            share: FIRST_SHARE,
+        };
+        let left = 1.0 - FIRST_SHARE * (1.0 + answer);
+        let share = told.next_share(&first.map(|off| left * off));
+        assert!((share * (1.0 + answer) - 1.0).abs() < 1e-12, "{share}");
+        // Nothing has changed: nothing is learnt.
+        assert_eq!(told.next_share(&first), FIRST_SHARE);
+    }
+}
