@@ -1,7 +1,7 @@
 //! What the anchors of creases pull with, and what averaging constraints have to know of it.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Vector2, Vector3};
 use ruga_material::{CreaseLoad, anchor_pull};
@@ -92,10 +92,12 @@ impl Layer {
         let told = self.told();
         let found = self.present_pulls();
         let pairs = told.iter().zip(&found);
+        let takes_up = self.on_lines_that_take_up();
         let off = |((v, told), (_, found)): (&(usize, f64), &(usize, f64))| {
-            // Beside lines that take up compression little carries the skin, and a way is long for a small pull.
-            let is_known = self.is_carried_in_full(*v);
-            if is_known { found - told } else { 0.0 }
+            // Beside lines that take up compression little carries the skin, a way is long for a small pull, and what
+            // theory expects is as good.
+            let is_left = takes_up.contains(v) || !self.is_carried_in_full(*v);
+            if is_left { 0.0 } else { found - told }
         };
         let off: Vec<f64> = pairs.map(off).collect();
         if self.has_settled(&told, &off) {
@@ -238,6 +240,13 @@ impl Layer {
             });
             pull * unit / wave.wave_number
         })
+    }
+
+    /// The vertices on lines that take up compression.
+    fn on_lines_that_take_up(&self) -> BTreeSet<usize> {
+        let edges = self.anchored_edges();
+        let edges = edges.filter(|edge| self.spec.creases[edge.line].absorbs);
+        edges.flat_map(|edge| edge.ends).collect()
     }
 
     /// Whether all of the foundation holds the faces around a vertex.
