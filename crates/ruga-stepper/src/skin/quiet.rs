@@ -40,6 +40,10 @@ const TURN_RADIUS: f64 = 0.25;
 /// both would be short waves in the relief that they fade.
 const ROUNDED: f64 = 0.2;
 
+/// Length of edges (wavelengths) from flat skin to other skin from which on relief begins not where the flat skin ends,
+/// but further along the edge by what it is longer: on such a mesh half of the fade would be the slope of one face.
+const LONG: f64 = 1.0 / 6.0;
+
 /// Demand of the surface below on a layer at a vertex, and the bend that the layer can follow.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VertexDemand {
@@ -109,9 +113,40 @@ pub(crate) fn wrinkled_shares(
     }
     let has_room = opened(&is_flat, SMALLEST_WRINKLED);
     let is_flat: Vec<bool> = has_room.into_iter().map(|room| !room).collect();
-    let from_flat = reaches(&is_flat, FADE + ROUNDED);
+    let from_flat = distances_from_flat((mesh, rest), demands, &is_flat);
     let from_flat = rounded((mesh, rest), demands, &from_flat).into_iter();
     from_flat.map(|distance| faded(distance, FADE)).collect()
+}
+
+/// Distances from flat skin (wavelengths), up to where relief is whole; along long edges relief begins later.
+fn distances_from_flat(
+    (mesh, rest): (&TriMesh, &[Vector3<f64>]),
+    demands: &[VertexDemand],
+    is_flat: &[bool],
+) -> Vec<f64> {
+    let mut late = vec![0.0_f64; is_flat.len()];
+    for (_, edge) in mesh.edges().iter() {
+        let [a, b] = edge.vertices.map(|v| v.index());
+        if is_flat[a] == is_flat[b] {
+            continue;
+        }
+        let flat = if is_flat[a] { a } else { b };
+        let length = (rest[b] - rest[a]).norm();
+        late[flat] = late[flat].max(length - LONG * demands[flat].wavelength);
+    }
+    // No distance may begin below 0: all do so much later.
+    let latest = late.iter().copied().fold(0.0, f64::max);
+    let sources = (0..is_flat.len()).filter(|&v| is_flat[v]);
+    let sources = sources.map(|v| (VertexId::from_index(v), latest - late[v]));
+    let longest = demands.iter().map(|d| d.wavelength).fold(0.0, f64::max);
+    let limit = (FADE + ROUNDED) * longest + latest;
+    let distances = edge_distances_with_starts(mesh, rest, sources, limit);
+    let places = distances.as_slice().iter().zip(demands).zip(is_flat);
+    let distance = |((to, own), flat): ((&f64, &VertexDemand), &bool)| match flat {
+        true => 0.0,
+        false => (to - latest).max(0.0) / own.wavelength,
+    };
+    places.map(distance).collect()
 }
 
 /// Means of distances from flat skin (wavelengths) over discs that hold none of it; beyond the fade they are others that
@@ -305,6 +340,30 @@ mod tests {
         let quiet = shares.iter().zip(&rest).filter(|(_, p)| p.x > 0.0505);
         assert!(quiet.clone().all(|(share, _)| *share == 0.0), "{shares:?}");
         assert_eq!(shares[0], 1.0);
+    }
+
+    /// Edges a third of a wavelength long: the first face of other skin shows a quarter of the relief at its far side,
+    /// not three quarters.
+    #[test]
+    fn relief_begins_later_along_long_edges() {
+        let (mesh, mut rest) = strip();
+        for place in &mut rest {
+            place.x *= 10.0 / 3.0;
+        }
+        let demand = |p: &Vector3<f64>| VertexDemand {
+            strain_ratio: if p.x < 0.15 { 0.4 } else { 1.2 },
+            wavelength: 0.01,
+            turn: 1.0,
+        };
+        let demands: Vec<_> = rest.iter().map(demand).collect();
+        let normals = vec![Vector3::z(); 202];
+        let shares = wrinkled_shares(&mesh, (&rest, &normals), &demands, &[false; 202]);
+        let along: Vec<_> = rest.iter().zip(&shares).step_by(2).collect();
+        let first = along.iter().position(|(_, share)| **share > 0.0);
+        let first = first.expect("relief");
+        assert!((along[first].0.x - 0.15).abs() < 0.0035, "{along:?}");
+        assert!((0.1..0.35).contains(along[first].1), "{along:?}");
+        assert_eq!(*along[first + 2].1, 1.0, "{along:?}");
     }
 
     #[test]
