@@ -122,7 +122,7 @@ fn found_in(
         }
     }
     for layer in &key.layers {
-        let short = speckle(layer, states(layer)?);
+        let short = speckle(layer, states(layer)?)?;
         for (most, own) in own.speckle.iter_mut().zip(short) {
             *most = most.max(100.0 * own);
         }

@@ -1,37 +1,38 @@
 //! Short waves in a relief: the part of its energy that is left by a high-pass filter.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
+use ruga_solver::{ConstraintRows, Kkt, LowerPattern, SolverError};
 use ruga_stepper::{FaceState, LayerSurface};
 
 /// Waves shorter than this fraction of the critical wavelength are speckle.
 const SHORT: f64 = 0.4;
 
 /// What is short is found by a filter that leaves `(k / k_0)^4 / (1 + (k / k_0)^4)` of a wave, used twice: half of a
-/// wave is left at the cut, 5 % at 1.7 times its length, 1 % at 2.2 times. Used once it would leave 11 and 4 % there;
-/// a power of eight cannot be solved for in double precision where a mesh has slivers.
-const POWER: usize = 2;
-
+/// wave is left at the cut, 5 % at 1.7 times its length, 1 % at 2.2 times. Used once it would leave 11 and 4 % there.
+///
 /// Cut over `k_0`, as wave numbers: `(1 + sqrt(2))^(1/4)`, where each use of the filter leaves the root of a half.
 const CUT: f64 = 1.246_505;
 
-/// Where the iterative solution of the filter ends.
-const ITERATIONS: usize = 3000;
-const TOLERANCE: f64 = 1e-4;
+/// Area of a triangle, over the product of two sides, below which it carries no slope.
+const FLAT: f64 = 1e-9;
 
 /// Fractions of the integrals of squared heights, and of squared slopes, which normal maps show, in waves
 /// shorter than 40 % of the critical wavelength in the `states` of the layer's faces.
-pub(crate) fn speckle(layer: &LayerSurface, states: &[FaceState]) -> [f64; 2] {
+pub(crate) fn speckle(layer: &LayerSurface, states: &[FaceState]) -> Result<[f64; 2], SolverError> {
     let heights = heights(layer);
-    let filter = Filter::new(layer, states);
-    let short = filter.short(&filter.short(&heights));
+    let mut filter = Filter::new(layer, states)?;
+    let once = filter.short(&heights)?;
+    let short = filter.short(&once)?;
     let fraction = |energy: &dyn Fn(&[f64]) -> f64| match energy(&heights) {
         whole if whole > 0.0 => energy(&short) / whole,
         _ => 0.0,
     };
-    [
+    Ok([
         fraction(&|values| filter.dot(values, values)),
         fraction(&|values| filter.slope_energy(values)),
-    ]
+    ])
 }
 
 /// Effective strain `e1 + nu e2` that a face feels, 0 where it is stretched: nearly the compression across its waves.
@@ -48,18 +49,30 @@ fn heights(layer: &LayerSurface) -> Vec<f64> {
         .collect()
 }
 
-/// Cotangent Laplacian with lumped areas.
+/// Cotangent Laplacian `L` with lumped areas `M`, and a filter of them.
+///
+/// ```text
+/// (M + L M^-1 L) y = M h      [ M  L ] [y]   [M h]
+///                             [ L -M ] [z] = [ 0 ]      L in units of k_0 squared
+/// ```
+/// The larger system is solved, because the product is beyond double precision where a mesh has slivers.
 struct Filter {
-    /// Vertices of an edge, the cotangent weight, and that in units of `k_0` squared.
-    edges: Vec<(usize, usize, [f64; 2])>,
+    /// Vertices of an edge, and the cotangent weight.
+    edges: Vec<(usize, usize, f64)>,
     areas: Vec<f64>,
+    /// The larger matrix, `y` and `z` of every vertex in turn.
+    kkt: Kkt,
 }
 
 impl Filter {
-    fn new(layer: &LayerSurface, states: &[FaceState]) -> Self {
+    fn new(layer: &LayerSurface, states: &[FaceState]) -> Result<Self, SolverError> {
         let places = &layer.driver_positions;
         let mut areas = vec![0.0; places.len()];
         let mut edges = Vec::new();
+        // The lower triangle of `L` in units of `k_0` squared, by columns.
+        let mut columns: Vec<BTreeMap<usize, f64>> = (0..places.len())
+            .map(|v| BTreeMap::from([(v, 0.0)]))
+            .collect();
         for (face, state) in layer.faces.iter().zip(states) {
             // Lengths are those of skin as it lies, and waves are as much shorter as it is pressed.
             let wavelength = state.wavelength * (1.0 - effective_strain(state));
@@ -69,48 +82,33 @@ impl Filter {
                 let [apex, a, b] = [0, 1, 2].map(|i| corners[(side + i) % 3]);
                 let (to_a, to_b): (Vector3<f64>, Vector3<f64>) =
                     (places[a] - places[apex], places[b] - places[apex]);
-                let doubled = to_a.cross(&to_b).norm().max(f64::MIN_POSITIVE);
+                let doubled = to_a.cross(&to_b).norm();
                 areas[apex] += doubled / 6.0;
+                if doubled <= FLAT * to_a.norm() * to_b.norm() {
+                    continue;
+                }
                 // Negative at obtuse angles: without these weights waves would seem shorter than they are. The sum of
                 // squared slopes is positive all the same.
                 let weight = 0.5 * to_a.dot(&to_b) / doubled;
-                edges.push((a, b, [weight, weight / (unit * unit)]));
+                edges.push((a, b, weight));
+                let weight = weight / (unit * unit);
+                *columns[a].entry(a).or_default() += weight;
+                *columns[b].entry(b).or_default() += weight;
+                *columns[a.min(b)].entry(a.max(b)).or_default() -= weight;
             }
         }
-        Self { edges, areas }
-    }
-
-    /// `M^-1 L` of some values.
-    fn laplacian(&self, values: &[f64]) -> Vec<f64> {
-        let mut result = vec![0.0; values.len()];
-        for &(a, b, [_, weight]) in &self.edges {
-            let flow = weight * (values[a] - values[b]);
-            result[a] += flow;
-            result[b] -= flow;
-        }
-        for (value, area) in result.iter_mut().zip(&self.areas) {
-            *value /= area.max(f64::MIN_POSITIVE);
-        }
-        result
-    }
-
-    fn applied(&self, values: &[f64]) -> Vec<f64> {
-        let mut power = values.to_vec();
-        for _ in 0..POWER {
-            power = self.laplacian(&power);
-        }
-        values
-            .iter()
-            .zip(power)
-            .map(|(own, high)| own + high)
-            .collect()
+        Ok(Self {
+            kkt: factorised(&columns, &areas)?,
+            edges,
+            areas,
+        })
     }
 
     /// The integral of squared slopes, but for a factor.
     fn slope_energy(&self, values: &[f64]) -> f64 {
         let edges = self.edges.iter();
         edges
-            .map(|&(a, b, [weight, _])| weight * (values[a] - values[b]).powi(2))
+            .map(|&(a, b, weight)| weight * (values[a] - values[b]).powi(2))
             .sum()
     }
 
@@ -120,42 +118,45 @@ impl Filter {
     }
 
     /// What the filter leaves of values.
-    fn short(&self, values: &[f64]) -> Vec<f64> {
-        let pairs = values.iter().zip(self.smooth(values));
-        pairs.map(|(own, low)| own - low).collect()
+    fn short(&mut self, values: &[f64]) -> Result<Vec<f64>, SolverError> {
+        let weighted = values.iter().zip(&self.areas);
+        let right: Vec<f64> = weighted
+            .flat_map(|(value, area)| [value * area, 0.0])
+            .collect();
+        let mut smooth = vec![0.0; right.len()];
+        self.kkt.solve(&right, &[], &mut smooth, &mut [])?;
+        let pairs = values.iter().zip(smooth.iter().step_by(2));
+        Ok(pairs.map(|(own, low)| own - low).collect())
     }
+}
 
-    /// What the filter takes off, by conjugate gradients.
-    fn smooth(&self, values: &[f64]) -> Vec<f64> {
-        let mut result = values.to_vec();
-        let mut residual: Vec<f64> = {
-            let applied = self.applied(&result);
-            values.iter().zip(applied).map(|(own, a)| own - a).collect()
-        };
-        let mut direction = residual.clone();
-        let mut size = self.dot(&residual, &residual);
-        let enough = TOLERANCE * TOLERANCE * self.dot(values, values);
-        for _ in 0..ITERATIONS {
-            if size <= enough {
-                break;
+/// The factorised matrix of [`Filter`], of the lower triangle of `L` by `columns` and the diagonal of `M`.
+fn factorised(columns: &[BTreeMap<usize, f64>], areas: &[f64]) -> Result<Kkt, SolverError> {
+    let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
+    for (column, (entries, area)) in columns.iter().zip(areas).enumerate() {
+        for part in 0..2 {
+            for (&row, &weight) in entries {
+                for other in 0..2 {
+                    // Of a pair of unknowns of one vertex the lower triangle has one.
+                    if row == column && other < part {
+                        continue;
+                    }
+                    rows.push((2 * row + other) as u32);
+                    values.push(match (row == column, part, other) {
+                        (true, 0, 0) => *area,
+                        (true, 1, 1) => -area,
+                        _ if part != other => weight,
+                        _ => 0.0,
+                    });
+                }
             }
-            let applied = self.applied(&direction);
-            let step = size / self.dot(&direction, &applied);
-            for i in 0..result.len() {
-                result[i] += step * direction[i];
-                residual[i] -= step * applied[i];
-            }
-            let next = self.dot(&residual, &residual);
-            for (own, new) in direction.iter_mut().zip(&residual) {
-                *own = new + next / size * *own;
-            }
-            size = next;
+            starts.push(rows.len());
         }
-        if size > enough {
-            eprintln!("the filter of short waves has not converged in {ITERATIONS} iterations");
-        }
-        result
     }
+    let pattern = LowerPattern::new(starts, rows)?;
+    let mut kkt = Kkt::new(&pattern, &ConstraintRows::none(pattern.size()), 2)?;
+    kkt.factorize(&values, &vec![0.0; pattern.size()])?;
+    Ok(kkt)
 }
 
 #[cfg(test)]
@@ -189,7 +190,7 @@ mod tests {
             ..FaceState::default()
         };
         let states = vec![state; layer.faces.len()];
-        let [heights, _] = speckle(&layer, &states);
+        let [heights, _] = speckle(&layer, &states).expect("a filter");
         let expected = 0.05 * 0.05;
         assert!((heights / expected - 1.0).abs() < 0.25, "{heights}");
     }
