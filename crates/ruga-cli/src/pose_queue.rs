@@ -60,8 +60,7 @@ pub(crate) fn run_all<T: Send>(
     work: impl Fn(usize, usize, &(dyn Fn() -> bool + Sync)) -> Result<Option<T>, CliError> + Sync,
 ) -> Result<Vec<Option<T>>, CliError> {
     let queue = Queue {
-        planned,
-        capacity,
+        turns: Turns { planned, capacity },
         state: Mutex::new(State {
             waiting: (0..planned.len()).collect(),
             in_work: Vec::new(),
@@ -91,14 +90,53 @@ pub(crate) fn run_all<T: Send>(
     results.into_iter().collect()
 }
 
+/// Seconds until all numbers are done, in the turns that [`run_all`] gives them: those in work have so many threads and
+/// seconds to go, and one that waits takes so many `seconds` with the threads that it will have.
+pub(crate) fn seconds_until_done(
+    (planned, capacity): (&[Planned], Capacity),
+    waiting: Vec<usize>,
+    mut in_work: Vec<(usize, usize, f64)>,
+    seconds: impl Fn(usize, usize) -> f64,
+) -> f64 {
+    let turns = Turns { planned, capacity };
+    let taken: usize = in_work.iter().map(|(_, threads, _)| threads).sum();
+    let mut state = State {
+        waiting,
+        in_work: in_work.iter().map(|(number, ..)| *number).collect(),
+        free: capacity.threads.max(1).saturating_sub(taken),
+    };
+    let mut clock = 0.0;
+    loop {
+        while let Some((number, threads)) = turns.next(&mut state) {
+            in_work.push((number, threads, seconds(number, threads)));
+        }
+        let ends = in_work.iter().enumerate();
+        let Some((first, _)) = ends.min_by(|(_, a), (_, b)| a.2.total_cmp(&b.2)) else {
+            return clock;
+        };
+        let (number, threads, to_go) = in_work.swap_remove(first);
+        clock += to_go;
+        for (_, _, seconds) in &mut in_work {
+            *seconds -= to_go;
+        }
+        state.end(number, threads);
+    }
+}
+
 /// Numbers that wait, and those in work.
 struct Queue<'a> {
-    planned: &'a [Planned],
-    capacity: Capacity,
+    turns: Turns<'a>,
     state: Mutex<State>,
     /// Told of whenever a number is no longer in work.
     ended: Condvar,
     failed: AtomicBool,
+}
+
+/// Whose turn it is.
+#[derive(Clone, Copy)]
+struct Turns<'a> {
+    planned: &'a [Planned],
+    capacity: Capacity,
 }
 
 struct State {
@@ -107,6 +145,13 @@ struct State {
     in_work: Vec<usize>,
     /// Threads that nothing in work has.
     free: usize,
+}
+
+impl State {
+    fn end(&mut self, number: usize, threads: usize) {
+        self.in_work.retain(|&other| other != number);
+        self.free += threads;
+    }
 }
 
 impl Queue<'_> {
@@ -120,13 +165,7 @@ impl Queue<'_> {
             if interrupt::asked() || self.has_failed() || state.waiting.is_empty() {
                 return None;
             }
-            let beginning = self.beginning(&state);
-            if let Some(&number) = beginning.first() {
-                let shared = state.free.div_ceil(beginning.len());
-                let threads = shared.max(self.threads_for(number, &state));
-                state.waiting.retain(|&waiting| waiting != number);
-                state.in_work.push(number);
-                state.free -= threads;
+            if let Some((number, threads)) = self.turns.next(&mut state) {
                 return Some(Turn {
                     queue: self,
                     number,
@@ -135,6 +174,28 @@ impl Queue<'_> {
             }
             state = self.ended.wait(state).expect(UNPOISONED);
         }
+    }
+
+    fn has_failed(&self) -> bool {
+        self.failed.load(Ordering::Relaxed)
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().expect(UNPOISONED)
+    }
+}
+
+impl Turns<'_> {
+    /// Takes the next number that can begin out of those that wait, with its threads.
+    fn next(&self, state: &mut State) -> Option<(usize, usize)> {
+        let beginning = self.beginning(state);
+        let &number = beginning.first()?;
+        let shared = state.free.div_ceil(beginning.len());
+        let threads = shared.max(self.threads_for(number, state));
+        state.waiting.retain(|&waiting| waiting != number);
+        state.in_work.push(number);
+        state.free -= threads;
+        Some((number, threads))
     }
 
     /// Free threads that one number should have so that it ends when the others have done all that fits beside it,
@@ -166,14 +227,6 @@ impl Queue<'_> {
         let bytes: Vec<u64> = together.map(|&number| self.planned[number].bytes).collect();
         in_work.is_empty() || self.capacity.has_memory(&bytes)
     }
-
-    fn has_failed(&self) -> bool {
-        self.failed.load(Ordering::Relaxed)
-    }
-
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().expect(UNPOISONED)
-    }
 }
 
 /// Share of a thread that is not kept for others: they would be done in a quarter of the time.
@@ -190,9 +243,7 @@ struct Turn<'a> {
 
 impl Drop for Turn<'_> {
     fn drop(&mut self) {
-        let mut state = self.queue.state();
-        state.in_work.retain(|&number| number != self.number);
-        state.free += self.threads;
+        self.queue.state().end(self.number, self.threads);
         self.queue.ended.notify_all();
     }
 }
@@ -323,6 +374,27 @@ mod tests {
             ..planned
         });
         assert_eq!(threads_of(&nothing, capacity(2, Some(5)), 2)[..2], [1, 1]);
+    }
+
+    /// Two of three fit together; the third begins when the first of them has ended.
+    #[test]
+    fn what_is_left_is_waited_for_in_turn() {
+        let planned = [(3, 10.0), (2, 4.0), (3, 5.0)];
+        let planned = planned.map(|(bytes, seconds)| Planned { bytes, seconds });
+        let left = |capacity, waiting: &[usize], in_work: &[(usize, usize, f64)]| {
+            let seconds = |number: usize, threads: usize| planned[number].seconds / threads as f64;
+            let plan = (planned.as_slice(), capacity);
+            seconds_until_done(plan, waiting.to_vec(), in_work.to_vec(), seconds)
+        };
+        assert_eq!(left(capacity(1, None), &[0, 1, 2], &[]), 19.0);
+        assert_eq!(left(capacity(1, None), &[2], &[(0, 1, 3.0)]), 8.0);
+        // The third has both threads, once it fits.
+        assert_eq!(left(capacity(2, Some(5)), &[0, 1, 2], &[]), 12.5);
+        assert_eq!(
+            left(capacity(2, Some(5)), &[2], &[(0, 1, 3.0), (1, 1, 1.0)]),
+            5.5
+        );
+        assert_eq!(left(capacity(2, Some(5)), &[], &[]), 0.0);
     }
 
     #[test]

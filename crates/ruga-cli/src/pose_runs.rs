@@ -131,7 +131,10 @@ pub(crate) fn run_poses<P: Product>(
         seconds: seconds_of(alike).iter().sum(),
     });
     let planned: Vec<Planned> = planned.collect();
-    let time_left = TimeLeft::new(to_be_made.iter().map(seconds_of).collect(), at_a_time);
+    let time_left = TimeLeft::new(
+        (planned.clone(), capacity),
+        to_be_made.iter().map(seconds_of).collect(),
+    );
     let run = PoseRun {
         scene,
         plan,
@@ -140,7 +143,7 @@ pub(crate) fn run_poses<P: Product>(
         product,
     };
     let made = run_all(&planned, capacity, |number, threads, given_up| {
-        time_left.begin(number);
+        time_left.begin(number, threads);
         let made = run.alike(&to_be_made[number], (threads, given_up), |record| {
             time_left.end(number, layer_seconds(&record.report))
         });

@@ -3,23 +3,29 @@
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
+use crate::pose_queue::{Capacity, Planned, seconds_until_done};
+
 /// Part of an average pose that counts as having taken what was planned before any pose is done.
 ///
 /// With less, the first poses count too much, which take longer than others against their plans; with more, a busy
 /// machine that is slower than planned is noticed too late.
 const AS_PLANNED: f64 = 0.3;
 
+/// Part of a pose's work that several threads share: from poses of hands, which take .6 of the time on two.
+const SHARED: f64 = 0.8;
+
 /// Clocks of the poses of a run.
 pub(crate) struct TimeLeft {
-    /// Poses in work at a time.
-    at_a_time: usize,
+    /// What the poses take, and what they may take at a time.
+    planned: Vec<Planned>,
+    capacity: Capacity,
     poses: Mutex<Vec<Pose>>,
 }
 
 /// Planned time of a pose, and where it is.
 #[derive(Clone)]
 struct Pose {
-    /// Planned time of each layer, s.
+    /// Planned time of each layer on one thread, s.
     planned: Vec<f64>,
     stage: Stage,
 }
@@ -27,68 +33,87 @@ struct Pose {
 #[derive(Clone)]
 enum Stage {
     Waiting,
-    InWork(Instant),
+    InWork { since: Instant, threads: usize },
     Done(Taken),
 }
 
 /// Time that a pose took.
 #[derive(Clone)]
 struct Taken {
-    /// That of each layer, s.
+    /// That of each layer, as on one thread, s.
     layers: Vec<f64>,
     /// What else there was to do, such as to write files, s.
     rest: f64,
 }
 
 impl TimeLeft {
-    /// Poses with these planned times of their layers, s, of which so many poses are in work at a time.
-    pub(crate) fn new(planned: Vec<Vec<f64>>, at_a_time: usize) -> Self {
-        let waiting = planned.into_iter().map(|planned| Pose {
+    /// Poses whose layers have these `seconds` planned on one thread, in the turns that they are `planned` to have.
+    pub(crate) fn new(
+        (planned, capacity): (Vec<Planned>, Capacity),
+        seconds: Vec<Vec<f64>>,
+    ) -> Self {
+        let waiting = seconds.into_iter().map(|planned| Pose {
             planned,
             stage: Stage::Waiting,
         });
         Self {
-            at_a_time,
+            planned,
+            capacity,
             poses: Mutex::new(waiting.collect()),
         }
     }
 
-    /// A pose begins.
-    pub(crate) fn begin(&self, pose: usize) {
+    /// A pose begins, on so many threads.
+    pub(crate) fn begin(&self, pose: usize, threads: usize) {
         let mut poses = self.poses.lock().unwrap_or_else(PoisonError::into_inner);
-        poses[pose].stage = Stage::InWork(Instant::now());
+        poses[pose].stage = Stage::InWork {
+            since: Instant::now(),
+            threads,
+        };
     }
 
     /// A pose has ended, and its layers have taken these times, s; seconds until all are done, 0 after the last.
     pub(crate) fn end(&self, pose: usize, layers: Vec<f64>) -> f64 {
         let mut poses = self.poses.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Stage::InWork(since) = poses[pose].stage {
+        if let Stage::InWork { since, threads } = poses[pose].stage {
             let rest = since.elapsed().as_secs_f64() - layers.iter().sum::<f64>();
             let rest = rest.max(0.0);
+            let on_one = layers
+                .into_iter()
+                .map(|seconds| seconds / share_of_time(threads));
+            let layers = on_one.collect();
             poses[pose].stage = Stage::Done(Taken { layers, rest });
         }
-        left(&poses, self.at_a_time)
+        left(&poses, (&self.planned, self.capacity))
     }
 }
 
+/// Time that layers take on so many threads, over that on one.
+fn share_of_time(threads: usize) -> f64 {
+    1.0 - SHARED + SHARED / threads.max(1) as f64
+}
+
 /// Seconds until all are done, where every layer takes as many times its planned time as it did before.
-fn left(poses: &[Pose], at_a_time: usize) -> f64 {
+fn left(poses: &[Pose], turns: (&[Planned], Capacity)) -> f64 {
     let (factors, rest) = (factors(poses), mean_rest(poses));
-    let expected = |pose: &Pose| {
+    let expected = |pose: &Pose, threads: usize| {
         let layers = pose.planned.iter().zip(&factors);
-        rest + layers
-            .map(|(planned, factor)| planned * factor)
-            .sum::<f64>()
+        let layers = layers.map(|(planned, factor)| planned * factor);
+        rest + layers.sum::<f64>() * share_of_time(threads)
     };
-    let of_pose = |pose: &Pose| match &pose.stage {
-        Stage::Waiting => expected(pose),
-        Stage::InWork(since) => (expected(pose) - since.elapsed().as_secs_f64()).max(0.0),
-        Stage::Done(_) => 0.0,
-    };
-    let all: f64 = poses.iter().map(of_pose).sum();
-    let longest = poses.iter().map(of_pose).fold(0.0, f64::max);
-    // The last one may have to be waited for.
-    longest.max(all / at_a_time.max(1) as f64)
+    let (mut waiting, mut in_work) = (Vec::new(), Vec::new());
+    for (number, pose) in poses.iter().enumerate() {
+        match &pose.stage {
+            Stage::Waiting => waiting.push(number),
+            Stage::InWork { since, threads } => {
+                let to_go = expected(pose, *threads) - since.elapsed().as_secs_f64();
+                in_work.push((number, *threads, to_go.max(0.0)));
+            }
+            Stage::Done(_) => {}
+        }
+    }
+    let seconds = |number: usize, threads| expected(&poses[number], threads);
+    seconds_until_done(turns, waiting, in_work, seconds)
 }
 
 /// Time taken over time planned, for each layer.
@@ -154,6 +179,20 @@ mod tests {
         }
     }
 
+    /// What is left where so many threads have memory for all poses.
+    fn left_on(poses: &[Pose], threads: usize) -> f64 {
+        let capacity = Capacity {
+            threads,
+            memory: None,
+        };
+        let seconds = |pose: &Pose| pose.planned.iter().sum();
+        let planned = poses.iter().map(|pose| Planned {
+            bytes: 1,
+            seconds: seconds(pose),
+        });
+        left(poses, (&planned.collect::<Vec<_>>(), capacity))
+    }
+
     fn done(planned: &[f64], taken: &[f64]) -> Pose {
         let layers = taken.to_vec();
         pose(planned, Stage::Done(Taken { layers, rest: 0.0 }))
@@ -166,25 +205,31 @@ mod tests {
         // One pose of three times as planned, and a part of one as planned before it.
         let all = (30.0 + AS_PLANNED * 10.0) / (10.0 + AS_PLANNED * 10.0);
         let factor = (30.0 + all * 10.0) / 20.0;
-        assert!((left(&poses, 1) - 20.0 * factor).abs() < 1e-9);
-        assert!((left(&poses, 2) - 10.0 * factor).abs() < 1e-9);
+        assert!((left_on(&poses, 1) - 20.0 * factor).abs() < 1e-9);
+        assert!((left_on(&poses, 2) - 10.0 * factor).abs() < 1e-9);
         // A long one at the end has to be waited for.
         let long = pose(&[50.0], Stage::Waiting);
         let poses = [done(&[10.0], &[10.0]), waiting, long];
-        assert_eq!(left(&poses, 2), 50.0);
+        assert_eq!(left_on(&poses, 2), 50.0);
         // One that is in work has less to go.
         let poses = [
             poses[0].clone(),
-            pose(&[50.0], Stage::InWork(Instant::now())),
+            pose(
+                &[50.0],
+                Stage::InWork {
+                    since: Instant::now(),
+                    threads: 1,
+                },
+            ),
         ];
-        assert!((left(&poses, 1) - 50.0).abs() < 1.0);
+        assert!((left_on(&poses, 1) - 50.0).abs() < 1.0);
     }
 
     #[test]
     fn many_poses_outweigh_what_was_expected_before_them() {
         let mut poses = vec![done(&[2.0], &[6.0]); 100];
         poses.push(pose(&[2.0], Stage::Waiting));
-        assert!((left(&poses, 1) - 6.0).abs() < 0.1);
+        assert!((left_on(&poses, 1) - 6.0).abs() < 0.1);
     }
 
     #[test]
@@ -194,7 +239,7 @@ mod tests {
         let at_end = |planned: [f64; 2]| {
             let mut poses = poses.clone();
             poses.push(pose(&planned, Stage::Waiting));
-            left(&poses, 1)
+            left_on(&poses, 1)
         };
         assert!((at_end([1.0, 0.0]) - 4.0).abs() < 0.1);
         assert!((at_end([0.0, 1.0]) - 1.0).abs() < 0.1);
@@ -206,15 +251,21 @@ mod tests {
             pose(&[0.0], Stage::Done(taken)),
             pose(&[0.0], Stage::Waiting),
         ];
-        assert_eq!(left(&poses, 1), 3.0);
+        assert_eq!(left_on(&poses, 1), 3.0);
     }
 
     #[test]
     fn the_last_leaves_nothing() {
-        let clocks = TimeLeft::new(vec![vec![0.0], vec![3.0]], 1);
-        clocks.begin(0);
+        let planned = [0.0, 3.0].map(|seconds| Planned { bytes: 1, seconds });
+        let capacity = Capacity {
+            threads: 1,
+            memory: None,
+        };
+        let turns = (planned.to_vec(), capacity);
+        let clocks = TimeLeft::new(turns, vec![vec![0.0], vec![3.0]]);
+        clocks.begin(0, 1);
         assert!((clocks.end(0, vec![0.0]) - 3.0).abs() < 0.1);
-        clocks.begin(1);
+        clocks.begin(1, 1);
         assert_eq!(clocks.end(1, vec![1.0]), 0.0);
     }
 }
