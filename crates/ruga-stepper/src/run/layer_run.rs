@@ -38,8 +38,7 @@ const LAG: f64 = 1e-3;
 /// Solves after which a body that still gives way under its layer is taken as it is.
 const MOST_SOLVES: usize = 4;
 
-/// Solves after the first in which averaging constraints are told what anchors pull with. Each leaves a fifth of what
-/// the one before was off.
+/// Solves after the first, at most, in which averaging constraints are told what anchors pull with; two are the rule.
 const MOST_PULLS: usize = 4;
 
 /// The convexification that a solve is tried with first, over what the last one needed: lets it shrink.
@@ -304,7 +303,16 @@ impl<'a> LayerRun<'a> {
             if !solve.converged || !self.layer.take_pulls() {
                 break;
             }
+            let before = self.layer.state();
             let again = self.solve_once(inertia, how, pose_fraction, observer)?;
+            if !again.converged && again.stop != StopRule::Saddle {
+                // The equilibrium before is only a little less exact. An interrupted run is told of as such.
+                self.layer.restore(&before)?;
+                if again.stop == StopRule::Interrupted {
+                    solve = again;
+                }
+                break;
+            }
             solve = SolveReport {
                 left_saddle: solve.left_saddle || again.left_saddle,
                 ..again
