@@ -40,8 +40,8 @@ const TURN_RADIUS: f64 = 0.25;
 /// both would be short waves in the relief that they fade.
 const ROUNDED: f64 = 0.2;
 
-/// Length of edges (wavelengths) from flat skin to other skin from which on relief begins not where the flat skin ends,
-/// but further along the edge by what it is longer: on such a mesh half of the fade would be the slope of one face.
+/// Length (wavelengths) that an edge from flat skin to other skin counts as at most: on a mesh with longer ones half of
+/// the fade would be the slope of one face.
 const LONG: f64 = 1.0 / 6.0;
 
 /// Demand of the surface below on a layer at a vertex, and the bend that the layer can follow.
@@ -118,33 +118,33 @@ pub(crate) fn wrinkled_shares(
     from_flat.map(|distance| faded(distance, FADE)).collect()
 }
 
-/// Distances from flat skin (wavelengths), up to where relief is whole; along long edges relief begins later.
+/// Distances from flat skin (wavelengths), up to where relief is whole; a long edge that leads out of flat skin counts as
+/// a shorter one.
 fn distances_from_flat(
     (mesh, rest): (&TriMesh, &[Vector3<f64>]),
     demands: &[VertexDemand],
     is_flat: &[bool],
 ) -> Vec<f64> {
-    let mut late = vec![0.0_f64; is_flat.len()];
+    let mut starts = vec![f64::INFINITY; is_flat.len()];
     for (_, edge) in mesh.edges().iter() {
         let [a, b] = edge.vertices.map(|v| v.index());
-        if is_flat[a] == is_flat[b] {
-            continue;
+        if is_flat[a] != is_flat[b] {
+            let outer = if is_flat[a] { b } else { a };
+            let length = (rest[b] - rest[a]).norm();
+            starts[outer] = starts[outer].min(length.min(LONG * demands[outer].wavelength));
         }
-        let flat = if is_flat[a] { a } else { b };
-        let length = (rest[b] - rest[a]).norm();
-        late[flat] = late[flat].max(length - LONG * demands[flat].wavelength);
     }
-    // No distance may begin below 0: all do so much later.
-    let latest = late.iter().copied().fold(0.0, f64::max);
-    let sources = (0..is_flat.len()).filter(|&v| is_flat[v]);
-    let sources = sources.map(|v| (VertexId::from_index(v), latest - late[v]));
+    let sources = starts
+        .iter()
+        .enumerate()
+        .filter(|(_, start)| start.is_finite());
+    let sources = sources.map(|(v, start)| (VertexId::from_index(v), *start));
     let longest = demands.iter().map(|d| d.wavelength).fold(0.0, f64::max);
-    let limit = (FADE + ROUNDED) * longest + latest;
-    let distances = edge_distances_with_starts(mesh, rest, sources, limit);
+    let distances = edge_distances_with_starts(mesh, rest, sources, (FADE + ROUNDED) * longest);
     let places = distances.as_slice().iter().zip(demands).zip(is_flat);
     let distance = |((to, own), flat): ((&f64, &VertexDemand), &bool)| match flat {
         true => 0.0,
-        false => (to - latest).max(0.0) / own.wavelength,
+        false => to / own.wavelength,
     };
     places.map(distance).collect()
 }
