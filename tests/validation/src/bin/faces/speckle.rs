@@ -15,7 +15,7 @@ const SHORT: f64 = 0.4;
 /// Cut over `k_0`, as wave numbers: `(1 + sqrt(2))^(1/4)`, where each use of the filter leaves the root of a half.
 const CUT: f64 = 1.246_505;
 
-/// Area of a triangle, over the product of two sides, below which it carries no slope.
+/// Sine of the angle between two sides of a triangle below which it carries no slope.
 const FLAT: f64 = 1e-9;
 
 /// Fractions of the integrals of squared heights, and of squared slopes, which normal maps show, in waves
