@@ -42,7 +42,7 @@ const ROUNDED: f64 = 0.2;
 
 /// Length (wavelengths) that an edge from flat skin to other skin counts as at most: on a mesh with longer ones half of
 /// the fade would be the slope of one face.
-const LONG: f64 = 1.0 / 6.0;
+const LONG: f64 = 1.0 / 8.0;
 
 /// Demand of the surface below on a layer at a vertex, and the bend that the layer can follow.
 #[derive(Clone, Copy, Debug)]
