@@ -12,7 +12,7 @@
 //! wrinkles leave lines, and a [`YieldLaw`] says what a crease keeps of its folds.
 //!
 //! Rounding is by cubic Hermite curves through the points with tangents of Catmull and Rom 1974; the skeleton
-//! is that of Zhang and Suen 1984. Positions and lengths are in metres, angles in radians.
+//! is that of Pudney 1998. Positions and lengths are in metres, angles in radians.
 
 mod layout_places;
 mod line_input;

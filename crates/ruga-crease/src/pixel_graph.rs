@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector2;
 
-use crate::thinning::Bitmap;
+use crate::thinning::{BLUNT, Bitmap};
 
 /// A chain of texels between two nodes; a node is an end of a line or a place where several meet.
 #[derive(Clone, Debug)]
@@ -130,15 +130,26 @@ fn follow(
     }
 }
 
-/// Removes twigs shorter than a length (texels) that end freely beside a junction, and joins what two branches
-/// leave of a node.
-pub(crate) fn pruned(mut branches: Vec<Branch>, least: f64) -> Vec<Branch> {
+/// Removes twigs shorter than a length (texels) that end freely beside a junction, or that are the way into a blunt
+/// corner of the shape, and joins what two branches leave of a node.
+///
+/// `radius` is that of the largest disc around a place inside the shape (texels).
+pub(crate) fn pruned(
+    mut branches: Vec<Branch>,
+    least: f64,
+    radius: impl Fn(&Vector2<f64>) -> f64,
+) -> Vec<Branch> {
+    // Radii are those of whole texels: one may be off by half of one.
+    let is_blunt = |branch: &Branch| match &branch.points[..] {
+        [first, .., last] => (radius(first) - radius(last)).abs() + 1.0 > BLUNT * branch.length(),
+        _ => false,
+    };
     loop {
         let degrees = degrees(&branches);
         let is_twig = |branch: &Branch| {
             // One end is free, the other is not.
             let hangs = |[a, b]: [usize; 2]| (degrees[&a] == 1) != (degrees[&b] == 1);
-            branch.nodes.is_some_and(hangs) && branch.length() < least
+            branch.nodes.is_some_and(hangs) && (branch.length() < least || is_blunt(branch))
         };
         let before = branches.len();
         branches.retain(|branch| !is_twig(branch));

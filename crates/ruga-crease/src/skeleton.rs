@@ -97,11 +97,17 @@ pub fn skeleton_lines(
         height,
         is_set,
     };
-    skeleton.thin();
+    skeleton.fill_pinholes();
+    let depths = skeleton.depths();
+    skeleton.thin(&depths);
     let all = branches(&skeleton);
     // Judged before twigs go: noise is twigs.
     refuse_noise(all.len(), settings.most_lines.saturating_mul(4))?;
-    let mut kept = pruned(all, settings.least_branch);
+    let radius = |p: &Vector2<f64>| {
+        let texel = p.map(|c| c.round() as usize);
+        f64::from(depths[texel.y * width + texel.x]).sqrt()
+    };
+    let mut kept = pruned(all, settings.least_branch, radius);
     kept.retain(|branch| branch.length() >= settings.least_branch);
     refuse_noise(kept.len(), settings.most_lines)?;
     if kept.is_empty() {
