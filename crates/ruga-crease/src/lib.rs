@@ -23,6 +23,7 @@ mod walk;
 mod ways;
 
 mod crossings;
+mod junctions;
 mod line_checks;
 mod line_cut;
 mod line_law;

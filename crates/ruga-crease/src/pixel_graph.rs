@@ -160,7 +160,7 @@ pub(crate) fn pruned(
     }
 }
 
-fn degrees(branches: &[Branch]) -> BTreeMap<usize, usize> {
+pub(crate) fn degrees(branches: &[Branch]) -> BTreeMap<usize, usize> {
     let mut degrees = BTreeMap::new();
     for node in branches.iter().filter_map(|branch| branch.nodes).flatten() {
         *degrees.entry(node).or_insert(0) += 1;

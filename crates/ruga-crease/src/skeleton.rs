@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 
 use crate::CreaseError;
+use crate::junctions::gathered;
 use crate::pixel_graph::{Branch, branches, pruned};
 use crate::thinning::Bitmap;
 
@@ -59,7 +60,7 @@ pub struct SkeletonLine {
 }
 
 /// The middle lines of the bright strokes of an image, in reading order of where they begin. Where strokes meet,
-/// lines end on each other.
+/// lines end on each other: those of two strokes that cross, on one place in the middle.
 ///
 /// # Errors
 /// Every [`CreaseError`] about images.
@@ -107,7 +108,7 @@ pub fn skeleton_lines(
         let texel = p.map(|c| c.round() as usize);
         f64::from(depths[texel.y * width + texel.x]).sqrt()
     };
-    let mut kept = pruned(all, settings.least_branch, radius);
+    let mut kept = gathered(pruned(all, settings.least_branch, radius), radius);
     kept.retain(|branch| branch.length() >= settings.least_branch);
     refuse_noise(kept.len(), settings.most_lines)?;
     if kept.is_empty() {

@@ -1,4 +1,4 @@
-//! Lines from painted strokes of any width and direction.
+//! Lines from painted strokes of any width and direction, alone and where they cross.
 
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
@@ -73,6 +73,17 @@ fn length(line: &SkeletonLine) -> f64 {
     legs.sum::<f64>() * SIZE as f64
 }
 
+/// Both ends of a line (texels).
+fn ends(line: &SkeletonLine) -> [Vector2<f64>; 2] {
+    [line.points[0], line.points[line.points.len() - 1]].map(|p| p * SIZE as f64)
+}
+
+/// The place where all lines begin or end.
+fn meeting(lines: &[SkeletonLine]) -> Option<Vector2<f64>> {
+    let is_common = |p: &Vector2<f64>| lines.iter().all(|line| ends(line).contains(p));
+    ends(&lines[0]).into_iter().find(is_common)
+}
+
 /// The middle of what is drawn, off the texels' grid.
 fn middle() -> Vector2<f64> {
     Vector2::new(80.3, 79.6)
@@ -92,6 +103,67 @@ fn strokes_at_any_angle_keep_their_length() {
             // A middle line ends half a width before a square end, or in one of its corners.
             let is_near = (110.0 - width - 1.0..110.0 + width / 2.0).contains(&lengths[0]);
             assert!(is_near, "{width} texels, {degrees} degrees: {lengths:?}");
+        }
+    }
+}
+
+#[test]
+fn crossing_strokes_meet_in_one_place() {
+    for width in [2.0, 5.0, 8.0, 12.0] {
+        for between in (20..=90).step_by(5) {
+            for first in [0.0, 17.0, 35.0, 45.0, 53.0, 80.0, 90.0, 128.0] {
+                let directions = [first, first + f64::from(between)];
+                let stroke = |degrees| Stroke::through(middle(), degrees, 130.0, width);
+                let lines = lines(&directions.map(stroke));
+                let lengths: Vec<_> = lines.iter().map(length).collect();
+                let case = format!("{width} texels, {directions:?} degrees: {lengths:?}");
+                assert_eq!(lines.len(), 4, "{case}");
+                let place = meeting(&lines).unwrap_or_else(|| panic!("{case}"));
+                assert!((place - middle()).norm() < 2.0, "{case} {place}");
+                let is_near = |length: &f64| (64.0 - width..66.0 + width / 2.0).contains(length);
+                assert!(lengths.iter().all(is_near), "{case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_star_has_as_many_lines_as_rays() {
+    for count in [6, 8, 12, 16, 20] {
+        for width in [1.5, 2.0, 3.0, 4.0] {
+            for turn in [0.0, 5.7, 11.0] {
+                let ray = |k: i32| Stroke {
+                    from: middle(),
+                    to: middle() + direction(turn + f64::from(360 * k) / f64::from(count)) * 70.0,
+                    width,
+                };
+                let lines = lines(&(0..count).map(ray).collect::<Vec<_>>());
+                let lengths: Vec<_> = lines.iter().map(length).collect();
+                let case = format!("{count} rays of {width} texels from {turn}: {lengths:?}");
+                assert_eq!(lines.len(), count as usize, "{case}");
+                assert!(meeting(&lines).is_some(), "{case}");
+                assert!(lengths.iter().all(|l| (l - 70.0).abs() < 5.0), "{case}");
+            }
+        }
+    }
+}
+
+/// What joins two strokes at a distance is a stroke of its own.
+#[test]
+fn bars_that_are_drawn_stay() {
+    for width in [2.0, 5.0, 8.0] {
+        for turn in [0.0, 30.0, 45.0, 77.0] {
+            let aside = direction(turn) * (2.0 * width + 4.0);
+            let [left, right] = [middle() - aside, middle() + aside]
+                .map(|middle| Stroke::through(middle, turn + 90.0, 100.0, width));
+            let bar = Stroke::through(middle(), turn, 2.0 * aside.norm(), width);
+            let lines = lines(&[left, right, bar]);
+            let lengths: Vec<_> = lines.iter().map(length).collect();
+            assert_eq!(
+                lines.len(),
+                5,
+                "{width} texels, {turn} degrees: {lengths:?}"
+            );
         }
     }
 }
