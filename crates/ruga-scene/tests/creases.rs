@@ -6,146 +6,13 @@ mod fixture;
 
 use std::path::Path;
 
-use fixture::{Folder, assert_says};
+use fixture::creased_skin::{
+    CELLS, LAYER, SIDE, Site, crease, even, rows, says, skin, vertex, with_line,
+};
 use ruga_crease::Drive;
-use ruga_io::{PngTexels, write_png};
 use ruga_scene::file::{Corners, Fold};
-use ruga_scene::{Scene, SceneError, SceneFile};
+use ruga_scene::{Scene, SceneFile};
 use ruga_stepper::{CreaseSpec, FoldSense};
-
-/// Side of a square of skin (m), cells along it, and vertices along a row of one of its two islands.
-const SIDE: f32 = 0.1;
-const CELLS: u32 = 8;
-const ROW: u32 = CELLS / 2 + 1;
-
-/// The square of skin: positions, both blend shapes and texture coordinates of 90 vertices, corners of 128
-/// triangles.
-const DOCUMENT: &str = r#"{
-"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-"meshes": [{"name": "skin", "extras": {"targetNames": ["press", "pull"]}, "primitives": [{"indices": 4,
-    "attributes": {"POSITION": 0, "TEXCOORD_0": 3}, "targets": [{"POSITION": 1}, {"POSITION": 2}]}]}],
-"buffers": [{"uri": "skin.bin", "byteLength": 5496}],
-"bufferViews": [{"buffer": 0, "byteLength": 3240, "byteStride": 12},
-    {"buffer": 0, "byteOffset": 3240, "byteLength": 720}, {"buffer": 0, "byteOffset": 3960, "byteLength": 1536}],
-"accessors": [{"bufferView": 0, "type": "VEC3", "componentType": 5126, "count": 90},
-    {"bufferView": 0, "byteOffset": 1080, "type": "VEC3", "componentType": 5126, "count": 90},
-    {"bufferView": 0, "byteOffset": 2160, "type": "VEC3", "componentType": 5126, "count": 90},
-    {"bufferView": 1, "type": "VEC2", "componentType": 5126, "count": 90},
-    {"bufferView": 2, "type": "SCALAR", "componentType": 5125, "count": 384}]}"#;
-
-/// Numbers of a square of skin, with the blend shapes `press` and `pull` and a UV seam down its middle: the left
-/// island has U from 0 to 0.45, the right one from `0.45 + gap` on, both V from 0.05 to 0.95. `across` places
-/// columns and rows of vertices (m); rows follow each other, those of the left island first.
-fn skin(gap: f32, across: impl Fn(u32, u32) -> f32) -> Vec<u8> {
-    let mut arrays = [const { Vec::<f32>::new() }; 4];
-    for (first, shift) in [(0, 0.0), (CELLS / 2, gap)] {
-        for (row, column) in (0..=CELLS).flat_map(|row| (0..ROW).map(move |c| (row, first + c))) {
-            let [u, v] = [column, row].map(|i| i as f32 / CELLS as f32);
-            let x = across(column, row);
-            arrays[0].extend([x, -SIDE * v, 0.0]);
-            arrays[1].extend([-0.2 * x, 0.0, 0.0]);
-            arrays[2].extend([0.1 * x, 0.0, 0.0]);
-            arrays[3].extend([0.9 * u + shift, 0.05 + 0.9 * v]);
-        }
-    }
-    let cells = (0..2 * CELLS * CELLS / 2).map(|i| {
-        let (row, column) = (i / (CELLS / 2), i % (CELLS / 2));
-        // Rows of the right island follow those of the left one, with a row of vertices more.
-        (row + row / CELLS) * ROW + column
-    });
-    let corners = cells.flat_map(|at| [at, at + ROW, at + 1, at + 1, at + ROW, at + ROW + 1]);
-    let floats = arrays.iter().flatten().flat_map(|f| f.to_le_bytes());
-    let bytes = floats.chain(corners.flat_map(|c| c.to_le_bytes()));
-    bytes.collect()
-}
-
-fn even(column: u32, _: u32) -> f32 {
-    SIDE * column as f32 / CELLS as f32
-}
-
-/// A vertex of the skin by column and row; on the seam the left island's.
-fn vertex(column: u32, row: u32) -> u32 {
-    match column < ROW {
-        true => row * ROW + column,
-        false => (CELLS + 1) * ROW + row * ROW + column - CELLS / 2,
-    }
-}
-
-const LAYER: &str = "[substrate]\nyoung = 1e5\nthickness = 5e-3\n[[layers]]\nname = \"skin\"\n\
-                     young = 1e6\nthickness = 1e-3\n";
-
-/// A folder with the skin and a scene.
-struct Site(Folder);
-
-impl Site {
-    fn new() -> Self {
-        Self::with_gap(0.1)
-    }
-
-    fn with_gap(gap: f32) -> Self {
-        let folder = Folder::new();
-        folder.file("skin.gltf", DOCUMENT);
-        folder.file("skin.bin", skin(gap, even));
-        Self(folder)
-    }
-
-    fn read_all(&self, text: &str) -> Result<Scene, SceneError> {
-        let text = format!("version = 1\n[driver]\nmesh = \"skin.gltf\"\n{text}");
-        Scene::read(&self.0.file("scene.toml", text))
-    }
-
-    /// Reads a scene of one layer with these creases.
-    fn read(&self, creases: &str) -> Result<Scene, SceneError> {
-        self.read_all(&format!("{LAYER}{creases}"))
-    }
-
-    fn lines(&self, creases: &str) -> Vec<CreaseSpec> {
-        let scene = self.read(creases).unwrap();
-        assert_eq!(scene.warnings, [""; 0]);
-        scene.layers[0].creases.clone()
-    }
-
-    fn refuses(&self, creases: &str, words: &str) {
-        says(self.read(creases), words);
-    }
-
-    /// Reads creases that are used and warned of, in one warning.
-    fn warns(&self, creases: &str, words: &str) {
-        let warnings = self.read(creases).unwrap().warnings;
-        assert_eq!(warnings.len(), 1, "{warnings:?}");
-        let is_missing = |word: &&str| !warnings[0].contains(*word);
-        assert_eq!(words.split(" | ").find(is_missing), None, "{warnings:?}");
-    }
-
-    /// Writes a square grey image, white where `is_white` says so of column and row.
-    fn paint(&self, name: &str, size: u32, mut is_white: impl FnMut(u32, u32) -> bool) {
-        let texels = (0..size * size).map(|i| if is_white(i % size, i / size) { 255 } else { 0 });
-        let (texels, side) = (texels.collect::<Vec<u8>>(), size as usize);
-        write_png(&self.0.path(name), side, side, PngTexels::Grey8(&texels)).unwrap();
-    }
-}
-
-/// Whether a scene is refused with all `words`, which ` | ` separates.
-fn says(read: Result<Scene, SceneError>, words: &str) {
-    let words: Vec<&str> = words.split(" | ").collect();
-    assert_says(read.map(|scene| scene.warnings), "scene.toml", &words);
-}
-
-/// Rows of a table `keys => words`, where `; ` stands for a new line.
-fn rows(table: &str) -> impl Iterator<Item = (String, &str)> {
-    let rows = table.trim().lines();
-    rows.map(|row| row.split_once(" => ").unwrap())
-        .map(|(keys, words)| (keys.replace("; ", "\n"), words))
-}
-
-/// A crease with a line in the left island and some more keys.
-fn crease(name: &str, more: &str) -> String {
-    format!("[[creases]]\nname = \"{name}\"\nuv = [[0.1, 0.5], [0.35, 0.5]]\n{more}\n")
-}
-
-fn with_line(line: &str) -> String {
-    format!("[[creases]]\nname = \"line\"\n{line}\n")
-}
 
 fn assert_length(spec: &CreaseSpec, millimetres: f64) {
     let found = 1e3 * spec.line.length();
@@ -467,7 +334,9 @@ fn scene_creases_of_images_without_lines_are_refused() {
     paint(64, |_, _| false);
     refuses("lines.png | shows no line | no texel is as bright as 50 % | white on black");
     paint(1, |_, _| true);
+    refuses(
     refuses("lines.png | shows no line | 1 texel is");
+    );
     paint(64, |_, _| true);
     refuses("lines.png | 100 % of the image is bright | thin white strokes on black");
     let mut state = 1_u32;
