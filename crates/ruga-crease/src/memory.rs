@@ -29,12 +29,14 @@ pub struct CreaseMemory {
 }
 
 impl YieldLaw {
-    /// Angle that stays (rad) of a fold that was turned by `elastic` (rad) from where it has no moment.
+    /// Angle that stays (rad) of a fold that was turned by `elastic` (rad) beyond where it has no moment, to the side
+    /// of its sign. A fold held short of there is not turned beyond it: that is no negative `elastic`.
     pub fn stays(&self, elastic: f64) -> f64 {
         (elastic.abs() - self.limit).max(0.0).copysign(elastic)
     }
 
-    /// What a place keeps that was turned by `elastic` (rad); `softness` (m) is the line's own, which grows.
+    /// What a place keeps that was turned by `elastic` (rad) as in [`Self::stays`]; `softness` (m) is the line's own,
+    /// which grows.
     pub fn kept(&self, elastic: f64, softness: f64) -> Kept {
         let damage = (elastic.abs() / self.limit - 1.0).max(0.0);
         Kept {

@@ -8,7 +8,9 @@ use ruga_crease::{
 };
 use ruga_material::{Wrinkling, wrinkling};
 use ruga_mesh::{FaceId, TriMesh, vertex_means};
-use ruga_stepper::{CreaseSpec, FoldSample, LayerSpec, LayerSurface, PoseResult, PoseSpec};
+use ruga_stepper::{
+    CreaseSpec, FoldSample, FoldSense, LayerSpec, LayerSurface, PoseResult, PoseSpec,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::Scene;
@@ -230,7 +232,7 @@ impl Scene {
             let steps = (SAMPLES * length / wavelength).ceil().max(2.0) as u32;
             let own = by_name.get(crease.name.as_str()).into_iter().flatten();
             let is_closed = crease.line.is_closed();
-            let held = own.map(|folds| kept_by(&law, folds, is_closed));
+            let held = own.map(|folds| kept_by(&law, folds, crease.sense, is_closed));
             let held: Vec<CreaseMemory> = held.collect();
             let samples = (0..=steps).map(|step| {
                 let share = f64::from(step) / f64::from(steps);
@@ -366,14 +368,24 @@ fn not_shut(kept: Kept) -> Kept {
 }
 
 /// What a crease keeps of one pose.
-fn kept_by(law: &YieldLaw, folds: &CreaseFolds, is_closed: bool) -> CreaseMemory {
-    let samples = folds
-        .along
-        .iter()
-        .map(|&[share, fold, rest, softness]| (share, law.kept(fold - rest, softness)));
+fn kept_by(law: &YieldLaw, folds: &CreaseFolds, sense: FoldSense, is_closed: bool) -> CreaseMemory {
+    let samples = folds.along.iter().map(|&[share, fold, rest, softness]| {
+        (share, law.kept(beyond_rest(fold, rest, sense), softness))
+    });
     match is_closed {
         true => CreaseMemory::around(samples.collect()),
         false => CreaseMemory::new(samples.collect()),
+    }
+}
+
+/// How far a fold is turned (rad) beyond the angle `rest` at which it has no moment, to a side to which it may fold; 0
+/// of one that is held short of it. What holds a fold open is the skin beside it, in every pose, and wears nothing.
+fn beyond_rest(fold: f64, rest: f64, sense: FoldSense) -> f64 {
+    match sense {
+        FoldSense::Valley => (fold - rest).max(0.0),
+        FoldSense::Mountain => (fold - rest).min(0.0),
+        // On the side to which nothing draws it, it has no moment where it is flat.
+        FoldSense::Both => fold - fold.clamp(rest.min(0.0), rest.max(0.0)),
     }
 }
 
@@ -402,5 +414,53 @@ impl PoseFolds {
                     .flatten()
                     .all(|number| number.is_finite())
             })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: YieldLaw = YieldLaw {
+        limit: 0.3,
+        weakening: 0.5,
+    };
+
+    /// What a place keeps that a pose holds at the angle `fold`, of a line that has no moment at `rest` (rad).
+    fn kept(fold: f64, rest: f64, sense: FoldSense) -> Kept {
+        let folds = CreaseFolds {
+            name: "line".to_owned(),
+            along: vec![[0.5, fold, rest, 1e-3]],
+        };
+        kept_by(&LAW, &folds, sense, false).at(0.5)
+    }
+
+    #[test]
+    fn a_fold_short_of_its_rest_angle_keeps_nothing() {
+        for fold in [0.9, 0.4, 0.0, -0.1] {
+            assert_eq!(kept(fold, 1.0, FoldSense::Valley), Kept::default());
+            assert_eq!(kept(-fold, -1.0, FoldSense::Mountain), Kept::default());
+        }
+        for fold in [0.9, 0.4, 0.0] {
+            assert_eq!(kept(fold, 1.0, FoldSense::Both), Kept::default());
+            assert_eq!(kept(-fold, -1.0, FoldSense::Both), Kept::default());
+        }
+    }
+
+    #[test]
+    fn a_fold_beyond_its_rest_angle_keeps_what_it_does_not_give_back() {
+        let is = |found: Kept, angle: f64| {
+            assert!((found.angle - angle).abs() < 1e-12, "{found:?}");
+            // Twice the limit gains half of the softness.
+            assert!((found.softness - 0.5e-3).abs() < 1e-12, "{found:?}");
+        };
+        is(kept(1.6, 1.0, FoldSense::Valley), 0.3);
+        is(kept(-1.6, -1.0, FoldSense::Mountain), -0.3);
+        for side in [1.0, -1.0] {
+            is(kept(side * 0.6, 0.0, FoldSense::Both), side * 0.3);
+            is(kept(side * 1.6, side, FoldSense::Both), side * 0.3);
+            // On the other side it is folded from flat.
+            is(kept(side * -0.6, side, FoldSense::Both), side * -0.3);
+        }
     }
 }
