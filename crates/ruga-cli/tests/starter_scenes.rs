@@ -55,9 +55,8 @@ fn the_creases_are_planned_with_their_lines() {
     assert!(plan.stdout.contains("nasolabial-left"), "{}", plan.stdout);
     let total = "total: 1 of 1 poses wrinkle";
     assert!(plan.stdout.contains(total), "{}", plan.stdout);
-    // Of the others it says so.
-    let told = "no pose folds 'frown-line-left', 'frown-line-right'";
-    assert!(plan.stderr.contains(told), "{}", plan.stderr);
+    // That the others are for other poses is as it should be.
+    assert!(!plan.stderr.contains("no pose folds"), "{}", plan.stderr);
 }
 
 #[test]

@@ -7,6 +7,10 @@ use ruga_stepper::{
 
 use crate::symmetry::PoseImages;
 
+/// Words of the planner's warning of creases that none of the planned poses folds: of a crease of the frown nobody
+/// needs to hear that the smile does not fold it.
+const NEVER_FOLDED: &str = "': no pose folds '";
+
 /// The plan of a scene.
 pub struct ScenePlan {
     /// Stacks side by side, at least one: that of a scene without zones.
@@ -107,6 +111,14 @@ impl ScenePlan {
     /// Adds what the plan itself cannot know.
     pub(crate) fn warn(&mut self, warnings: Vec<String>) {
         self.zones[0].plan.warnings.extend(warnings);
+    }
+
+    /// Leaves out the warnings that are true of all poses of a scene only, of a plan of some of them.
+    pub(crate) fn drop_of_all_poses(&mut self) {
+        for zone in &mut self.zones {
+            let warnings = &mut zone.plan.warnings;
+            warnings.retain(|warning| !warning.contains(NEVER_FOLDED));
+        }
     }
 
     /// The file's triangles that have a simulated part in pose number `pose`, ascending.

@@ -127,6 +127,9 @@ impl Scene {
         let active: Vec<_> = self.poses.iter().enumerate().map(active).collect();
         let told = texture_space::check_active((&self.mesh, &self.tiles), &active)?;
         planned.warn(told);
+        if self.leaves_poses_out() {
+            planned.drop_of_all_poses();
+        }
         planned.warn(self.texel_warnings(&planned));
         let maps = active.iter().map(|(_, active)| self.map_bytes(active));
         planned.map_bytes = maps.collect();
@@ -162,6 +165,12 @@ impl Scene {
         });
         let zones = zones.collect::<Result<_, StepperError>>()?;
         Ok(ScenePlan::new(zones, images))
+    }
+
+    /// Whether the scene has poses beside those that are wanted.
+    fn leaves_poses_out(&self) -> bool {
+        let all = model::poses(&self.file, &self.driver, &[], &self.path);
+        all.is_ok_and(|all| all.len() > self.poses.len())
     }
 
     /// Warnings of maps too small for the creases of a layer, each once.

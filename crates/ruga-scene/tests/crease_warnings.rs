@@ -1,0 +1,44 @@
+//! Crease lines that can be used and may not be meant: each kind is told once, over what it is true of.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod fixture;
+
+use fixture::creased_skin::{LAYER, Site, with_line};
+use ruga_scene::{Scene, SceneOptions};
+
+const POSES: &str = "[[poses]]\nname = \"frown\"\nweights = { press = 0.1 }\n[[poses]]\nname = \"smile\"\n\
+                     weights = { pull = 0.1 }\n";
+
+/// Warnings of the plan of one pose, or of all.
+fn planned(site: &Site, text: &str, pose: Option<&str>) -> Vec<String> {
+    let text = format!("version = 1\n[driver]\nmesh = \"skin.gltf\"\n{LAYER}{text}{POSES}");
+    let options = SceneOptions {
+        poses: pose.iter().map(|&pose| pose.to_owned()).collect(),
+        ..SceneOptions::default()
+    };
+    let scene = Scene::read_with(&site.0.file("scene.toml", text), &options).unwrap();
+    let plan = scene.plan().unwrap();
+    let told = plan
+        .warnings()
+        .filter(|text| text.contains("no pose folds"));
+    told.cloned().collect()
+}
+
+#[test]
+fn creases_that_no_pose_folds_are_told_of_over_all_poses() {
+    let site = Site::new();
+    let driven = |by: &str| {
+        let more = format!("drive = \"weights\"\nweights = {{ {by} = 10.0 }}");
+        // Along the pull, so that no pose folds it by itself.
+        with_line(&format!("uv = [[0.1, 0.5], [0.35, 0.5]]\n{more}"))
+    };
+    for pose in [None, Some("frown"), Some("smile")] {
+        assert_eq!(planned(&site, &driven("press"), pose), [""; 0]);
+    }
+    // A factor below 0 takes strength away, and this line has none to begin with.
+    let never = driven("pull").replace("10.0", "-10.0");
+    let told = planned(&site, &never, None);
+    assert!(told[0].contains("no pose folds 'line'"), "{told:?}");
+    assert_eq!(planned(&site, &never, Some("smile")), [""; 0]);
+}
