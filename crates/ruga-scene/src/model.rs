@@ -329,6 +329,7 @@ pub(crate) fn poses(
     let shapes: Vec<String> = driver.shape_names().map(str::to_owned).collect();
     let all = scene.poses_or_shapes(&shapes, path)?;
     refuse_name_collisions(scene, &all, path)?;
+    scene.check_memory(&all, path)?;
     let names = || all.iter().map(|pose| pose.name.as_str());
     if let Some(name) = wanted
         .iter()

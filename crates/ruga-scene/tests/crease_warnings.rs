@@ -4,7 +4,7 @@
 
 mod fixture;
 
-use fixture::creased_skin::{LAYER, Site, with_line};
+use fixture::creased_skin::{LAYER, Site, says, with_line};
 use ruga_scene::{Scene, SceneOptions};
 
 const POSES: &str = "[[poses]]\nname = \"frown\"\nweights = { press = 0.1 }\n[[poses]]\nname = \"smile\"\n\
@@ -41,4 +41,22 @@ fn creases_that_no_pose_folds_are_told_of_over_all_poses() {
     let told = planned(&site, &never, None);
     assert!(told[0].contains("no pose folds 'line'"), "{told:?}");
     assert_eq!(planned(&site, &never, Some("smile")), [""; 0]);
+}
+
+#[test]
+fn memory_of_what_the_scene_does_not_have_is_refused() {
+    let site = Site::new();
+    let read = |memory: &str| site.read_all(&format!("{LAYER}{POSES}[memory]\n{memory}\n"));
+    let words = "memory.poses[1] | no pose `smirk`; accepted: `frown`, `smile`";
+    says(read("poses = [\"smile\", \"smirk\"]"), words);
+    assert!(read("poses = [\"smile\"]").is_ok());
+    let words = "memory.weakening | found 1e300; accepted: a number from 0 to 100";
+    says(read("weakening = 1e300"), words);
+    for bad in ["100.5", "-0.1", "nan", "inf"] {
+        says(
+            read(&format!("weakening = {bad}")),
+            "memory.weakening | from 0 to 100",
+        );
+    }
+    assert!(read("weakening = 100.0").is_ok());
 }

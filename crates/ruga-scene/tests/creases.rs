@@ -149,7 +149,10 @@ fn scene_creases_survive_writing_and_can_be_planned() {
 const LINES: &str = r#"
 closed = false => creases[0]` | found none of them | exactly one of uv, edges, line_mesh and image
 uv = [[0.1, 0.5], [0.3, 0.5]]; edges = [7, 8] => found uv, edges | exactly one
-edges = [7, 8]; closed = true => creases[0].closed | only with `uv`
+edges = [7, 8]; closed = true => creases[0].closed | only with `uv`; `edges` close by ending where they began
+image = "a.png"; closed = true => creases[0].closed | only with `uv`; strokes of `image` close where they are painted
+line_mesh = "a"; closed = true => creases[0].closed | only with `uv`; lines of `line_mesh` close
+uv = [[0.1, 0.5], [1e300, 0.5]] => creases[0].uv[1]` | found [1e300, 0.5]; accepted: two finite numbers from -1000000
 uv = [[0.1, 0.5]] => creases[0].uv` | found 1 point; accepted: at least 2 points
 uv = [[0.1, 0.5], [0.3, 0.5]]; closed = true => creases[0].uv` | found 2 points | at least 3
 uv = [[0.1, 0.5], [0.3, 0.5], [0.1, 0.5]]; closed = true => creases[0].uv` | 2 different points | 3 where it is closed
@@ -234,6 +237,8 @@ fade = 1e-3 => creases[0].fade | found 0.001; accepted: a list of 2 numbers
 anchor = { depth = 1.0 } => creases[0].anchor.depth | found 1 m | 1000.00 mm; accepted: less than 5.00 mm | layer `skin`
 anchor = { depth = -1e-3 } => creases[0].anchor.depth | found -0.001
 slit = 8e-3 => creases[0].slit | found one; accepted: no slit without [interior]
+anchor = { depth = 1e-3, stiffness = 0 } => creases[0].anchor.stiffness | found 0; accepted: a number above 0
+anchor = { depth = 1e-3, stiffness = -1e300 } => creases[0].anchor.stiffness | found -1e300; accepted: a number above 0
 anchor = { depht = 1e-3 } => creases[0].anchor | did you mean `depth`
 drive = "weights"; weights = { pres = 1.0 } => creases[0].weights.pres | no blend shape `pres` | did you mean `press`
 weights = { press = 1.0 } => creases[0].drive | "load" | "weights"

@@ -7,8 +7,8 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// One of `[[creases]]`: lines along which a layer folds, as it does in the palm or between the brows. Exactly
-/// one of `uv`, `edges`, `line_mesh` and `image` says where. A preset fills in what is left out; its values are nominal, from
-/// anatomy and not measured on skin.
+/// one of `uv`, `edges`, `line_mesh` and `image` says where. A preset fills in what is left out; its values are
+/// nominal, from anatomy and not measured on skin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Crease {
@@ -42,7 +42,7 @@ pub struct Crease {
     /// Whether the last point of `uv` is joined to the first.
     #[serde(default)]
     pub closed: bool,
-    /// What becomes of the corners of `uv` and `line_mesh`.
+    /// What becomes of the corners of `uv`, `line_mesh` and the strokes of `image`.
     #[serde(default)]
     pub corners: Corners,
     /// The side to which it folds.
@@ -82,7 +82,8 @@ pub struct Crease {
     #[serde(default)]
     pub drive: Drive,
     /// With `drive = "weights"`: blend shapes whose weights in a pose, each times its factor, add up to the
-    /// strength, 0 to 1: `{ browDownLeft = 0.5, browDownRight = 0.5 }`.
+    /// strength: `{ browDownLeft = 0.5, browDownRight = 0.5 }`. Sums below 0 count as 0, above 1 as 1; a factor
+    /// below 0 takes strength away, or follows a weight below 0.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub weights: BTreeMap<String, f64>,
 }
@@ -92,9 +93,10 @@ pub struct Crease {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Anchor {
-    /// Depth below the skin around the line at full strength, m; of a mountain fold the height.
+    /// Depth below the skin around the line at full strength, m; of a mountain fold the height. With 0 the line is
+    /// held level with the skin around it.
     pub depth: f64,
-    /// Stiffness in units of what carries the layer; with 20 a line at rest sinks to 0.91 of the depth.
+    /// Stiffness in units of what carries the layer, above 0; with 20 a line at rest sinks to 0.91 of the depth.
     #[serde(default = "anchor_stiffness")]
     pub stiffness: f64,
 }

@@ -43,14 +43,23 @@ pub(super) fn positive(key: &str, value: f64) -> Checked {
     if value > 0.0 && value.is_finite() {
         return Ok(());
     }
-    fault(key, value, "a number above 0")
+    fault(key, shortly(value), "a number above 0")
 }
 
 pub(super) fn not_negative(key: &str, value: f64) -> Checked {
     if value >= 0.0 && value.is_finite() {
         return Ok(());
     }
-    fault(key, value, "a number from 0")
+    fault(key, shortly(value), "a number from 0")
+}
+
+/// A number as it is, unless that takes many digits: then with its power of ten.
+pub(super) fn shortly(value: f64) -> String {
+    let size = value.abs();
+    match size.is_finite() && value != 0.0 && !(1e-6..1e9).contains(&size) {
+        true => format!("{value:e}"),
+        false => value.to_string(),
+    }
 }
 
 /// A value above 0 and up to 1; of one beyond, what it is in hundredths is suggested.

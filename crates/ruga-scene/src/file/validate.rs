@@ -18,8 +18,8 @@ use crate::SceneError;
 /// cent.
 const LARGEST_WEIGHT: f64 = 10.0;
 
-/// Blend shapes that a message lists: a face has dozens.
-const LISTED_SHAPES: usize = 12;
+/// Blend shapes or poses that a message lists: a face has dozens.
+const LISTED_NAMES: usize = 12;
 
 impl SceneFile {
     /// The version of the layout that this crate reads.
@@ -107,7 +107,7 @@ impl SceneFile {
                 reason: format!(
                     "pose `{}`: the mesh has no blend shape `{shape}`; it has {}",
                     pose.name,
-                    listed(shapes)
+                    listed(shapes.iter().map(String::as_str))
                 ),
                 suggestion: nearest(shape, shapes.iter().map(String::as_str)),
             })
@@ -346,11 +346,14 @@ impl Pose {
     }
 }
 
-/// The names of blend shapes, the first dozen of many.
-fn listed(shapes: &[String]) -> String {
-    let names = shapes.iter().take(LISTED_SHAPES);
-    let names: Vec<String> = names.map(|name| format!("`{name}`")).collect();
-    match shapes.len().saturating_sub(LISTED_SHAPES) {
+/// The names of blend shapes or poses, the first dozen of many.
+pub(super) fn listed<'a>(all: impl ExactSizeIterator<Item = &'a str>) -> String {
+    let left_out = all.len().saturating_sub(LISTED_NAMES);
+    let names: Vec<String> = all
+        .take(LISTED_NAMES)
+        .map(|name| format!("`{name}`"))
+        .collect();
+    match left_out {
         0 if names.is_empty() => "none".to_owned(),
         0 => names.join(", "),
         more => format!("{} and {more} more", names.join(", ")),

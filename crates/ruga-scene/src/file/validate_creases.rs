@@ -2,13 +2,18 @@
 
 use ruga_blend::nearest;
 
-use super::fault::{Checked, Fault, fault, names_given, not_negative, positive, unique_name};
+use super::fault::{
+    Checked, Fault, fault, names_given, not_negative, positive, shortly, unique_name,
+};
 use super::validate::has_extension;
 use super::{Anchor, Crease, Drive, SceneFile, Stack};
 use crate::crease_presets::{CREASE_PRESETS, crease_preset};
 
 /// Angle of a fold beyond which its sides touch, degrees.
 const LARGEST_ANGLE: f64 = 150.0;
+
+/// Largest texture coordinate: beyond, those of a mesh, which have seven digits, are whole texels apart.
+const FARTHEST_UV: f64 = 1e6;
 
 /// Least share of the bending stiffness: a hinge without friction.
 const LEAST_STIFFNESS: f64 = 1e-6;
@@ -126,7 +131,15 @@ impl Crease {
             return fault(key, names_given(&sources), accepted);
         }
         if self.closed && self.uv.is_empty() {
-            let accepted = "only with `uv`; `edges` close by ending where they began";
+            let accepted = match (&self.image, &self.line_mesh) {
+                (Some(_), _) => {
+                    "only with `uv`; strokes of `image` close where they are painted closed"
+                }
+                (None, Some(_)) => {
+                    "only with `uv`; lines of `line_mesh` close where they end where they began"
+                }
+                (None, None) => "only with `uv`; `edges` close by ending where they began",
+            };
             return fault(&format!("{key}.closed"), "true", accepted);
         }
         self.point_faults(key)?;
@@ -156,19 +169,19 @@ impl Crease {
         let is_share = |share: &f64| (LEAST_STIFFNESS..=1.0).contains(share);
         if let Some(share) = self.stiffness.filter(|share| !is_share(share)) {
             let accepted = "a share from 0.000001 to 1";
-            return fault(&format!("{key}.stiffness"), share, accepted);
+            return fault(&format!("{key}.stiffness"), shortly(share), accepted);
         }
         let is_angle = |angle: &f64| (0.0..=LARGEST_ANGLE).contains(angle);
         if let Some(angle) = self.angle.filter(|angle| !is_angle(angle)) {
             let accepted = "degrees from 0 to 150";
-            return fault(&format!("{key}.angle"), angle, accepted);
+            return fault(&format!("{key}.angle"), shortly(angle), accepted);
         }
         for (i, fade) in self.fade.iter().flatten().enumerate() {
             not_negative(&format!("{key}.fade[{i}]"), *fade)?;
         }
         if let Some(Anchor { depth, stiffness }) = self.anchor {
             not_negative(&format!("{key}.anchor.depth"), depth)?;
-            not_negative(&format!("{key}.anchor.stiffness"), stiffness)?;
+            positive(&format!("{key}.anchor.stiffness"), stiffness)?;
         }
         if let Some(depth) = self.slit {
             positive(&format!("{key}.slit"), depth)?;
@@ -192,12 +205,12 @@ impl Crease {
             let accepted = "at least 2 vertices, joined by an edge";
             return fault(&format!("{key}.edges"), "1 vertex", accepted);
         }
-        let is_finite = |uv: &[f64; 2]| uv.iter().all(|c| c.is_finite());
-        match self.uv.iter().position(|uv| !is_finite(uv)) {
+        let is_near = |uv: &[f64; 2]| uv.iter().all(|c| c.abs() <= FARTHEST_UV);
+        match self.uv.iter().position(|uv| !is_near(uv)) {
             Some(i) => {
-                let [u, v] = self.uv[i];
-                let found = format!("[{u}, {v}]");
-                fault(&format!("{key}.uv[{i}]"), found, "two finite numbers")
+                let [u, v] = self.uv[i].map(shortly);
+                let accepted = "two finite numbers from -1000000 to 1000000, a place on an island of the texture";
+                fault(&format!("{key}.uv[{i}]"), format!("[{u}, {v}]"), accepted)
             }
             None => Ok(()),
         }
