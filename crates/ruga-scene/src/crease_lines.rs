@@ -186,7 +186,7 @@ impl CreasedMesh<'_> {
             }
         }
         if let (true, Some((file, error))) = (lines.is_empty(), empty) {
-            return Err(self.bad_image(&key, &file, error));
+            return Err(self.bad_image(&key, &file, without_line(&error)));
         }
         let all = lines.len();
         let longest = lines.iter().map(TracedLine::length).fold(0.0, f64::max);
@@ -237,6 +237,20 @@ fn corners(crease: &Crease) -> ruga_crease::Corners {
         crate::file::Corners::Round => ruga_crease::Corners::Round,
         crate::file::Corners::Keep => ruga_crease::Corners::Keep,
     }
+}
+
+/// Why an image shows no line: what is as bright as one may still be no stroke.
+fn without_line(error: &CreaseError) -> String {
+    let CreaseError::NoLineInImage { bright, threshold } = *error else {
+        return error.to_string();
+    };
+    let least = (100.0 * threshold).round();
+    let why = match bright {
+        0 => return error.to_string(),
+        1 => format!("only 1 texel is as bright as {least} %, and a line needs several in a row"),
+        more => format!("{more} texels are as bright as {least} %, but too few of them in a row"),
+    };
+    format!("the image shows no line: {why}; paint lines white on black")
 }
 
 /// Number of the point at which, or after which, a line is wrong.

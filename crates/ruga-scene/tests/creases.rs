@@ -340,7 +340,11 @@ fn scene_creases_of_images_without_lines_are_refused() {
     refuses("lines.png | shows no line | no texel is as bright as 50 % | white on black");
     paint(1, |_, _| true);
     refuses(
-    refuses("lines.png | shows no line | 1 texel is");
+        "lines.png | no line: only 1 texel is as bright as 50 %, and a line needs several in a row; paint",
+    );
+    paint(64, |x, y| (x, y) == (20, 20) || (x, y) == (40, 40));
+    refuses(
+        "lines.png | no line: 2 texels are as bright as 50 %, but too few of them in a row; paint",
     );
     paint(64, |_, _| true);
     refuses("lines.png | 100 % of the image is bright | thin white strokes on black");
