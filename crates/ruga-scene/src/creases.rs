@@ -5,7 +5,7 @@ use std::path::Path;
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, nearest};
-use ruga_crease::{CreaseError, CreaseMemory, LineLaw, LineTracer, TracedLine, check_lines};
+use ruga_crease::{CreaseMemory, LineLaw, LineTracer, TracedLine};
 use ruga_io::MeshFile;
 use ruga_material::{UvTile, Wrinkling, wrinkling};
 use ruga_stepper::{CreaseAnchor, CreaseSpec, FoldSense, LayerSpec, SHEET_EDGES};
@@ -203,7 +203,7 @@ impl CreasedMesh<'_> {
     }
 
     /// Wavelength of a layer; of a free sheet the length of so many `points` edges.
-    fn wavelength(&self, waves: &Wrinkling, points: f64) -> f64 {
+    pub(crate) fn wavelength(&self, waves: &Wrinkling, points: f64) -> f64 {
         let of_sheet = self.scene.sheet.as_ref().map(|sheet| {
             let edge = sheet
                 .edge
@@ -351,42 +351,5 @@ impl CreasedMesh<'_> {
                 Err(self.fault(format!("creases[{number}].name"), reason, None))
             }
         }
-    }
-
-    /// What is wrong with the lines of a layer together; each has a key.
-    fn check_together(
-        &self,
-        (layer, keys): (&LayerSpec, &[String]),
-        points: f64,
-    ) -> Result<Vec<String>, SceneError> {
-        let waves = wrinkling(&layer.material, &layer.substrate, layer.model);
-        // A layer that cannot be has been refused.
-        let Ok(waves) = waves else {
-            return Ok(Vec::new());
-        };
-        let lines: Vec<TracedLine> = layer.creases.iter().map(|spec| spec.line.clone()).collect();
-        let name = |line: usize| format!("crease `{}`", layer.creases[line].name);
-        let on = (self.driver.topology(), self.driver.rest());
-        let found = check_lines(&lines, on, self.wavelength(&waves, points) / points);
-        let found = found.map_err(|error| {
-            let (line, reason) = match error {
-                CreaseError::TooShort { line, length, edge } => {
-                    let reason = format!(
-                        "{} is {:.2} mm long, less than two edges of the mesh, which are {:.2} mm; lengthen it, or leave it out",
-                        name(line),
-                        1e3 * length,
-                        1e3 * edge
-                    );
-                    (line, reason)
-                }
-                CreaseError::IdenticalLines { lines: [a, b] } => {
-                    let reason = format!("{} and {} lie on each other; leave one out", name(a), name(b));
-                    (b, reason)
-                }
-                other => (0, other.to_string()),
-            };
-            self.fault(keys[line].clone(), reason, None)
-        })?;
-        Ok(found.iter().map(|warning| warning.told(&name)).collect())
     }
 }

@@ -36,6 +36,7 @@
 
 mod bake;
 mod body;
+mod crease_checks;
 mod crease_lines;
 mod crease_presets;
 mod creases;

@@ -44,6 +44,21 @@ fn creases_that_no_pose_folds_are_told_of_over_all_poses() {
 }
 
 #[test]
+fn strokes_too_close_to_each_other_are_told_of_once() {
+    let site = Site::new();
+    // Nearer to each other from left to right.
+    let columns = [400, 416, 430, 442, 452];
+    site.paint("lines.png", 2048, |x, y| {
+        (600..1200).contains(&y) && columns.contains(&x)
+    });
+    let line = with_line("image = \"lines.png\"");
+    let words = "`creases[0].image`: 6 pairs of lines, or of parts of one, come closer than two edges of the mesh, \
+                 0.72 mm each; the closest: | crease `line-4` and crease `line-5` come within 0.54 mm | from the \
+                 start of the first | move them apart";
+    site.warns(&line, words);
+}
+
+#[test]
 fn memory_of_what_the_scene_does_not_have_is_refused() {
     let site = Site::new();
     let read = |memory: &str| site.read_all(&format!("{LAYER}{POSES}[memory]\n{memory}\n"));
