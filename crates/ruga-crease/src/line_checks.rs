@@ -1,7 +1,7 @@
 //! What is wrong with crease lines together, before a mesh is cut along them.
 
 use nalgebra::Vector3;
-use ruga_mesh::TriMesh;
+use ruga_mesh::{Id, TriMesh};
 
 use crate::{CreaseError, CreaseWarning, LineCrossing, TracedLine, line_crossings};
 
@@ -23,6 +23,9 @@ const MOST_MEETINGS: usize = 100;
 
 /// Sine of the angle between lines below which they run beside each other and do not cross.
 const ALONG: f64 = 0.1;
+
+/// Edges along a line from an end at the border within which it gets away from it: at 20 degrees to it and more.
+const RUN_OUT: f64 = 3.0;
 
 /// Samples per edge along a line, and at most in all.
 const SAMPLES_PER_EDGE: f64 = 2.0;
@@ -79,6 +82,45 @@ impl TracedLine {
     /// Whether the line is shorter than a mesh with edges of length `edge` (m) can fold.
     pub fn is_too_short(&self, edge: f64) -> bool {
         self.length() < LEAST_EDGES * edge
+    }
+
+    /// From where to where (arc lengths, m) the line is less than `edge` away from the border of the surface that it
+    /// was traced on, and how close it comes there (m); of several stretches the closest. `edge` is the length of an
+    /// edge of the mesh that is to fold along it (m): with less between, there is no room for the skin that it folds
+    /// against. `None` for a line that keeps away from the border, or only ends at it.
+    pub fn beside_border(
+        &self,
+        (mesh, positions): (&TriMesh, &[Vector3<f64>]),
+        edge: f64,
+    ) -> Option<([f64; 2], f64)> {
+        let samples = sample(self, (mesh, positions), edge);
+        if samples.is_empty() {
+            return None;
+        }
+        let (low, high) = surroundings(&samples);
+        let [low, high] = [low.add_scalar(-edge), high.add_scalar(edge)];
+        let border = mesh.edges().iter().filter(|(_, edge)| edge.is_border());
+        let chords = border.map(|(_, edge)| edge.vertices.map(|v| positions[v.index()]));
+        let is_around = |[a, b]: &[Vector3<f64>; 2]| {
+            (0..3).all(|i| a[i].max(b[i]) >= low[i] && a[i].min(b[i]) <= high[i])
+        };
+        let chords: Vec<_> = chords.filter(is_around).collect();
+        let distance = |p: &Vector3<f64>| {
+            let distances = chords.iter().map(|chord| distance_to(p, *chord));
+            distances.fold(f64::INFINITY, f64::min)
+        };
+        let distances: Vec<[f64; 2]> = samples.iter().map(|(at, p)| [*at, distance(p)]).collect();
+        let ends = [0, distances.len() - 1].map(|i| distances[i][0]);
+        let stretches = distances.chunk_by(|a, b| (a[1] < edge) == (b[1] < edge));
+        let beside = stretches.filter(|stretch| stretch[0][1] < edge);
+        let beside = beside.filter_map(|stretch| {
+            let [from, to] = [0, stretch.len() - 1].map(|i| stretch[i][0]);
+            // A line that runs out at the border leaves it at an angle.
+            let runs_out = !self.is_closed() && (from == ends[0]) != (to == ends[1]);
+            let least = stretch.iter().map(|place| place[1]).fold(edge, f64::min);
+            (!runs_out || to - from >= RUN_OUT * edge).then_some(([from, to], least))
+        });
+        beside.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
 

@@ -8,6 +8,7 @@ use ruga_stepper::LayerSpec;
 
 use crate::SceneError;
 use crate::creases::CreasedMesh;
+use crate::network_creases::NETWORK;
 
 /// Something that is too close to a line.
 struct Oddity {
@@ -19,7 +20,7 @@ struct Oddity {
 }
 
 impl CreasedMesh<'_> {
-    /// Checks the lines of a layer against each other; each has a key. Returns warnings:
+    /// Checks the lines of a layer against each other and the border of the mesh; each has a key. Returns warnings:
     /// an image may have hundreds of strokes, so that of what is alike only the worst is told, with a count.
     pub(crate) fn check_together(
         &self,
@@ -64,6 +65,34 @@ impl CreasedMesh<'_> {
             )
         };
         warnings.extend(worst_of_each(close, keys, &many));
+        // Lines that wrinkles have left lie where nobody has drawn them.
+        let drawn = lines.iter().enumerate();
+        let drawn = drawn.filter(|(line, _)| keys[*line] != NETWORK);
+        let beside = drawn.filter_map(|(line, traced)| {
+            let ([from, to], distance) = traced.beside_border(on, edge)?;
+            let told = format!(
+                "{} comes within {:.2} mm of the border of the surface, between {:.2} and {:.2} mm from its start: \
+                 that is less than an edge of the mesh, {:.2} mm, and too little to fold against; move the line \
+                 inwards there",
+                name(line),
+                1e3 * distance,
+                1e3 * from,
+                1e3 * to,
+                1e3 * edge
+            );
+            Some(Oddity {
+                line,
+                distance,
+                told,
+            })
+        });
+        let many = |key: &str, count| {
+            format!(
+                "`{key}`: {count} lines come closer to the border of the surface than an edge of the mesh; the \
+                 closest:"
+            )
+        };
+        warnings.extend(worst_of_each(beside.collect(), keys, &many));
         Ok(warnings)
     }
 }

@@ -4,7 +4,7 @@
 
 mod fixture;
 
-use fixture::creased_skin::{LAYER, Site, says, with_line};
+use fixture::creased_skin::{LAYER, Site, crease, says, with_line};
 use ruga_scene::{Scene, SceneOptions};
 
 const POSES: &str = "[[poses]]\nname = \"frown\"\nweights = { press = 0.1 }\n[[poses]]\nname = \"smile\"\n\
@@ -56,6 +56,46 @@ fn strokes_too_close_to_each_other_are_told_of_once() {
                  0.72 mm each; the closest: | crease `line-4` and crease `line-5` come within 0.54 mm | from the \
                  start of the first | move them apart";
     site.warns(&line, words);
+}
+
+#[test]
+fn lines_beside_the_border_are_told_of() {
+    let site = Site::new();
+    let beside = |u: f64| with_line(&format!("uv = [[{u}, 0.2], [{u}, 0.8]]"));
+    // A millimetre is 0.009 of the texture.
+    let words = "crease `line` comes within 0.22 mm of the border of the surface, between 0.00 and 66.67 mm from its \
+                 start | less than an edge of the mesh | inwards";
+    site.warns(&beside(0.002), words);
+    assert_eq!(site.lines(&beside(0.05)).len(), 1);
+    let grazing = "uv = [[0.1, 0.3], [0.002, 0.5], [0.1, 0.7]]\ncorners = \"keep\"";
+    site.warns(&with_line(grazing), "within 0.22 mm of the border");
+    let short = "uv = [[0.002, 0.5], [0.002, 0.53]]\nfade = [0, 0]";
+    site.warns(&with_line(short), "within 0.22 mm of the border");
+    let flat = "uv = [[0.0, 0.3], [0.02, 0.6]]";
+    site.warns(&with_line(flat), "within 0.00 mm of the border");
+
+    // Lines that run out there.
+    for end in ["[0.0, 0.5]", "[0.0, 0.4]", "[0.003, 0.5]"] {
+        let line = format!("uv = [{end}, [0.2, 0.5]]");
+        assert_eq!(site.lines(&with_line(&line)).len(), 1);
+        let line = format!("uv = [[0.2, 0.5], {end}]");
+        assert_eq!(site.lines(&with_line(&line)).len(), 1);
+    }
+    // The seam between the islands is no border.
+    assert_eq!(site.lines(&beside(0.449)).len(), 1);
+
+    site.paint("lines.png", 2048, |x, y| {
+        (600..1200).contains(&y) && [2, 2043].contains(&x)
+    });
+    let strokes = with_line("image = \"lines.png\"");
+    let right = "[[creases]]\nname = \"right\"\nuv = [[0.998, 0.2], [0.998, 0.8]]\n";
+    site.warns(
+        &[&crease("middle", ""), right].concat(),
+        "crease `right` comes within 0.22 mm of the border",
+    );
+    let words = "`creases[0].image`: 2 lines come closer to the border of the surface than an edge of the mesh; \
+                 the closest: crease `line-";
+    site.warns(&strokes, words);
 }
 
 #[test]
