@@ -77,7 +77,6 @@ fn options(arguments: &RunArguments) -> Result<SceneOptions, CliError> {
     Ok(options)
 }
 
-/// Refuses a scene that would age further with each run.
 /// Refuses a free sheet: what is looked for are wrinkles of skin, in wavelengths.
 fn refuse_sheet(scene: &Scene) -> Result<(), CliError> {
     match &scene.sheet {
@@ -88,6 +87,7 @@ fn refuse_sheet(scene: &Scene) -> Result<(), CliError> {
     }
 }
 
+/// Refuses a scene that would age further with each run.
 fn refuse_own_network(scene: &Scene, output: &Path) -> Result<(), CliError> {
     let network = scene.file.memory.as_ref();
     let Some(network) = network.and_then(|memory| memory.network.as_ref()) else {
