@@ -78,8 +78,8 @@ def with_tangents(mesh, folder):
 def welded(positions, normals, uvs, triangles):
     """The same with vertices that are alike joined, as where two materials meet.
 
-    MikkTSpace averages over corners that are alike. Blender rounds the normal of every vertex by the triangles around it,
-    so that vertices which were alike before would not be so any more.
+    MikkTSpace averages over corners that are alike. Blender rounds the normal of every vertex by the triangles around
+    it, so that vertices which were alike before would not be so any more.
     """
     _, first, number = np.unique(
         np.hstack([positions, normals, uvs]), axis=0, return_index=True, return_inverse=True

@@ -111,8 +111,8 @@ fn a_bar_folds_at_an_anchored_line() {
     assert!((deepest - LINE).abs() < 1e-3, "{deepest}");
 }
 
-/// Averages that hold skin to flesh leave an anchor in it its depth: before they were told what it pulls with, they took
-/// 5 to 6 %.
+/// Averages that hold skin to flesh leave an anchor in it its depth: before they were told what it pulls with, they
+/// took 5 to 6 %.
 #[test]
 fn averages_leave_an_anchor_in_flesh_its_depth() {
     // Measured: 1.076 and 1.016. Averages hold skin along the flesh, too, so that the line folds by a fifth more.

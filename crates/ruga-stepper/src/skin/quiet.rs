@@ -118,8 +118,8 @@ pub(crate) fn wrinkled_shares(
     from_flat.map(|distance| faded(distance, FADE)).collect()
 }
 
-/// Distances from flat skin (wavelengths), up to where relief is whole; a long edge that leads out of flat skin counts as
-/// a shorter one.
+/// Distances from flat skin (wavelengths), up to where relief is whole; a long edge that leads out of flat skin counts
+/// as a shorter one.
 fn distances_from_flat(
     (mesh, rest): (&TriMesh, &[Vector3<f64>]),
     demands: &[VertexDemand],

@@ -11,7 +11,8 @@ use ruga_shell::LineAnchor;
 use super::Layer;
 
 /// Pulls that are off by less than what stretches the springs of an anchor by this share of its depth are not worth
-/// another solve. The line itself is off by less: it answers a wrong pull by a fifth of it (soft anchors) to seven tenths.
+/// another solve. The line itself is off by less: it answers a wrong pull by a fifth of it (soft anchors) to seven
+/// tenths.
 const SETTLED: f64 = 0.03;
 
 /// Share of the first change that is taken over, since the line will take up the rest.
