@@ -96,8 +96,31 @@ impl CreasedMesh<'_> {
                 Some(point) => format!("{key}[{point}]"),
                 None => key,
             };
-            self.fault(key, error, None)
+            self.fault(key, format!("{error}{}", self.way_round(&error)), None)
         })
+    }
+
+    /// What else may have to be done about an error: a triangle without area is left out, and in the texture there is a
+    /// gap in its place.
+    fn way_round(&self, error: &CreaseError) -> String {
+        let is_gap = matches!(
+            error,
+            CreaseError::AcrossSeam { .. }
+                | CreaseError::LeavesSurface { .. }
+                | CreaseError::OutsideUv { .. }
+        );
+        match self.driver.degenerate_triangles() {
+            [first, others @ ..] if is_gap => {
+                let others = match others.len() {
+                    0 => String::new(),
+                    more => format!(" or another of {}", more + 1),
+                };
+                format!(
+                    "; if triangle {first}{others} without area is left out there, lead the line round it"
+                )
+            }
+            _ => String::new(),
+        }
     }
 
     pub(crate) fn tracer(&self) -> &LineTracer<'_> {

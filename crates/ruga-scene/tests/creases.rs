@@ -184,6 +184,22 @@ fn scene_creases_without_a_line_are_refused() {
     site.refuses(&[crease("one", ""), crease("two", "")].concat(), words);
 }
 
+/// Two vertices of a row are in one place: the triangles on both have no area, and the texture has a gap there.
+#[test]
+fn a_line_over_triangles_without_area_is_told_of_them() {
+    let site = Site::new();
+    let collapsed = |column, row| even(column - u32::from((column, row) == (2, 4)), row);
+    site.0.file("skin.bin", skin(0.1, collapsed));
+    let line = with_line("uv = [[0.05, 0.53], [0.4, 0.53]]");
+    let words = "creases[0].uv[0]` | or another of 2 without area is left out there | lead the line round it";
+    site.refuses(&line, words);
+    // Beside them nothing is said of them.
+    let scene = site
+        .read(&with_line("uv = [[0.05, 0.2], [0.4, 0.2]]"))
+        .unwrap();
+    assert_eq!(scene.layers[0].creases.len(), 1);
+}
+
 /// A vertex lies as good as on its neighbour, but too far from it to be welded.
 #[test]
 fn scene_creases_over_a_triangle_without_area_are_refused() {
