@@ -11,7 +11,8 @@ use crate::pose_queue::{Capacity, Planned, seconds_until_done};
 /// machine that is slower than planned is noticed too late.
 const AS_PLANNED: f64 = 0.3;
 
-/// Part of a pose's work that several threads share: from poses of hands, which take .6 of the time on two.
+/// Part of the work on layers that several threads share, a guess: two poses of a hand took .66 and .76 of their time
+/// on two, with reading, planning and writing.
 const SHARED: f64 = 0.8;
 
 /// Clocks of the poses of a run.

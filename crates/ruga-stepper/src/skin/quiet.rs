@@ -302,6 +302,22 @@ mod tests {
         shares.into_iter().step_by(2).collect()
     }
 
+    /// Shares at all vertices of a flat strip with these places, under a ratio by the place along it.
+    fn shares_on(
+        (mesh, rest): (&TriMesh, &[Vector3<f64>]),
+        wavelength: f64,
+        ratio_at: impl Fn(f64) -> f64,
+    ) -> Vec<f64> {
+        let demand = |p: &Vector3<f64>| VertexDemand {
+            strain_ratio: ratio_at(p.x),
+            wavelength,
+            turn: 1.0,
+        };
+        let demands: Vec<_> = rest.iter().map(demand).collect();
+        let normals = vec![Vector3::z(); rest.len()];
+        wrinkled_shares(mesh, (rest, &normals), &demands, &vec![false; rest.len()])
+    }
+
     fn on_flat(ratio_at: impl Fn(f64) -> f64) -> Vec<f64> {
         shares(ratio_at, |_| 0.0)
     }
@@ -329,14 +345,8 @@ mod tests {
         for place in &mut rest {
             place.x = stretched(place.x);
         }
-        let demand = |p: &Vector3<f64>| VertexDemand {
-            strain_ratio: if p.x < 0.0505 { 1.2 } else { 0.4 },
-            wavelength: 0.01,
-            turn: 1.0,
-        };
-        let demands: Vec<_> = rest.iter().map(demand).collect();
-        let normals = vec![Vector3::z(); 202];
-        let shares = wrinkled_shares(&mesh, (&rest, &normals), &demands, &[false; 202]);
+        let ratio = |x: f64| if x < 0.0505 { 1.2 } else { 0.4 };
+        let shares = shares_on((&mesh, &rest), 0.01, ratio);
         let quiet = shares.iter().zip(&rest).filter(|(_, p)| p.x > 0.0505);
         assert!(quiet.clone().all(|(share, _)| *share == 0.0), "{shares:?}");
         assert_eq!(shares[0], 1.0);
@@ -350,14 +360,8 @@ mod tests {
         for place in &mut rest {
             place.x *= 10.0 / 3.0;
         }
-        let demand = |p: &Vector3<f64>| VertexDemand {
-            strain_ratio: if p.x < 0.15 { 0.4 } else { 1.2 },
-            wavelength: 0.01,
-            turn: 1.0,
-        };
-        let demands: Vec<_> = rest.iter().map(demand).collect();
-        let normals = vec![Vector3::z(); 202];
-        let shares = wrinkled_shares(&mesh, (&rest, &normals), &demands, &[false; 202]);
+        let ratio = |x: f64| if x < 0.15 { 0.4 } else { 1.2 };
+        let shares = shares_on((&mesh, &rest), 0.01, ratio);
         let along: Vec<_> = rest.iter().zip(&shares).step_by(2).collect();
         let first = along.iter().position(|(_, share)| **share > 0.0);
         let first = first.expect("relief");
@@ -389,14 +393,8 @@ mod tests {
     #[test]
     fn relief_between_two_borders_has_no_ridge() {
         let (mesh, rest) = strip();
-        let demand = |p: &Vector3<f64>| VertexDemand {
-            strain_ratio: f64::from((p.x - 0.05).abs() < 0.0152),
-            wavelength: 0.04,
-            turn: 1.0,
-        };
-        let demands: Vec<_> = rest.iter().map(demand).collect();
-        let normals = vec![Vector3::z(); 202];
-        let found = wrinkled_shares(&mesh, (&rest, &normals), &demands, &[false; 202]);
+        let ratio = |x: f64| f64::from((x - 0.05).abs() < 0.0152);
+        let found = shares_on((&mesh, &rest), 0.04, ratio);
         let found: Vec<f64> = found.into_iter().step_by(2).collect();
         assert!(found[50] > 0.7, "{found:?}");
         // The fade itself bends by 6/20² at most where it begins, a ridge of straight distances by 0.1.

@@ -91,6 +91,9 @@ impl Layer {
             return false;
         }
         let told = self.told();
+        if told.is_empty() {
+            return false;
+        }
         let found = self.present_pulls();
         let pairs = told.iter().zip(&found);
         let takes_up = self.on_lines_that_take_up();
