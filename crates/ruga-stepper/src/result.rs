@@ -360,10 +360,14 @@ impl LayerReport {
         self.wavelength = wrinkled.map(|waves| waves.wavelength);
     }
 
-    /// Counts a solve in; the last one says how exactly and why it ended.
-    pub(crate) fn take(&mut self, solve: &SolveReport) {
+    /// Counts in what a solve has done.
+    pub(crate) fn count(&mut self, solve: &SolveReport) {
         self.newton_iterations += solve.iterations;
         self.factorizations += solve.factorizations;
+    }
+
+    /// Takes from the solve that is kept how exactly and why it ended.
+    pub(crate) fn end_with(&mut self, solve: &SolveReport) {
         self.residual = solve.residual;
         self.stop = Some(solve.stop);
     }

@@ -4,11 +4,13 @@ mod creased;
 mod patch;
 
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use creased::{Frames, crease, crease_through, creased, depth, shortened};
 use nalgebra::Vector2;
 use patch::{SIDE, draft, driver, pose, skin};
 use ruga_material::{CreaseLoad, crease_depth, crease_profile, wrinkling};
+use ruga_solver::{Minimise, SolveReport, StopRule, minimise};
 use ruga_stepper::{
     Coupling, CreaseAnchor, CreaseSpec, LayerSpec, Modelling, Observer, PoseSpec, Silent, plan,
 };
@@ -269,6 +271,47 @@ fn averages_leave_an_anchor_that_absorbs_its_depth() {
             "{stiffness} {strain}: {ratio}"
         );
     }
+}
+
+/// Where averages that know the pull of an anchor better leave no equilibrium to be found, the one before stands, and
+/// the report tells of that.
+#[test]
+fn an_equilibrium_stands_where_no_better_one_is_found() {
+    static RESULTS: AtomicUsize = AtomicUsize::new(0);
+    let fails_after_the_first_result: Minimise = |objective, rhs, x, kkt, settings, keep_going| {
+        let solve = minimise(objective, rhs, x, kkt, settings, keep_going)?;
+        // States that are only passed ask for less.
+        let is_result = settings.energy_tolerance < 1e-4;
+        if !is_result || RESULTS.fetch_add(1, Ordering::Relaxed) == 0 {
+            return Ok(solve);
+        }
+        x.iter_mut().for_each(|x| *x += 1e-3);
+        Ok(SolveReport {
+            converged: false,
+            stop: StopRule::LineSearch,
+            residual: 1.0,
+            ..solve
+        })
+    };
+    let anchor = CreaseAnchor {
+        depth: 2e-4,
+        stiffness: 20.0,
+    };
+    let layer = creased(
+        anchored(crease(&driver(), 0.03), 40.0, anchor),
+        Coupling::Hybrid,
+    );
+    let failing = Modelling {
+        minimise: fails_after_the_first_result,
+        ..draft()
+    };
+    let [stands, better] = [failing, draft()].map(|how| shortened(&layer, 0.045, &how));
+    assert_eq!(RESULTS.load(Ordering::Relaxed), 2);
+    let report = &stands.layers[0];
+    assert_ne!(report.stop, Some(StopRule::LineSearch));
+    assert!(report.residual < 1.0, "{}", report.residual);
+    let ratio = depth(&stands) / depth(&better);
+    assert!((0.9..1.1).contains(&ratio) && ratio != 1.0, "{ratio}");
 }
 
 /// A soft line folds at half the strain at which the skin wrinkles. Beyond both, the state is the same however it is

@@ -123,8 +123,8 @@ pub(crate) struct Layer {
     /// Warning about its averaging constraints.
     pub(crate) row_warning: Option<String>,
     rows: ConstraintRows,
-    /// What the rows are told of the pulls of anchors; `None` for what theory expects.
-    told_pulls: Option<ToldPulls>,
+    /// What the rows are told of the pulls of anchors.
+    pulls: ToldPulls,
     /// Sparsity of the layer's matrix, once it was asked for: in patches a layer is solved without.
     pattern: OnceLock<LowerPattern>,
 }
@@ -311,7 +311,7 @@ impl Layer {
             centres,
             row_warning,
             rows,
-            told_pulls: None,
+            pulls: ToldPulls::default(),
             pattern: OnceLock::new(),
         };
         layer.add_noise(seed);

@@ -278,7 +278,7 @@ impl<'a> LayerRun<'a> {
             }
             if self.layer.lag() <= LAG || solves == MOST_SOLVES {
                 self.warn_unverified(&solve);
-                self.warn_of_lag(pose_fraction);
+                self.warn_of_lag(self.layer.lag(), pose_fraction);
                 return Ok(solve);
             }
         }
@@ -292,22 +292,27 @@ impl<'a> LayerRun<'a> {
         pose_fraction: f64,
         observer: &mut dyn Observer,
     ) -> Result<SolveReport, StepperError> {
-        self.layer.forget_pulls();
+        self.layer.expect_pulls();
         let mut solve = self.solve_once(inertia, how, pose_fraction, observer)?;
-        // From a state that is only passed the next one begins with what theory expects again.
+        // A state that is only passed is not worth another solve.
         let most = match how.1 {
             Accuracy::Result => MOST_PULLS,
             Accuracy::Passing => 0,
         };
         for _ in 0..most {
-            if !solve.converged || !self.layer.take_pulls() {
+            if !solve.converged {
                 break;
             }
-            let before = self.layer.state();
+            let Some(off) = self.layer.pulls_off() else {
+                break;
+            };
+            let (before, lag) = (self.layer.state(), self.layer.lag());
+            self.layer.tell_pulls(off);
             let again = self.solve_once(inertia, how, pose_fraction, observer)?;
             if !again.converged && again.stop != StopRule::Saddle {
                 // The equilibrium before is only a little less exact. An interrupted run is told of as such.
                 self.layer.restore(&before)?;
+                self.warn_of_lag(lag, pose_fraction);
                 if again.stop == StopRule::Interrupted {
                     solve = again;
                 }
@@ -318,6 +323,7 @@ impl<'a> LayerRun<'a> {
                 ..again
             };
         }
+        self.report.end_with(&solve);
         Ok(solve)
     }
 
@@ -365,7 +371,7 @@ impl<'a> LayerRun<'a> {
                 .ok()
         });
         if let Some(patched) = &patched {
-            self.report.take(patched);
+            self.report.count(patched);
         }
         let is_done = |solve: &SolveReport| solve.converged || solve.stop == StopRule::Interrupted;
         let solve = match patched.filter(is_done) {
@@ -383,7 +389,7 @@ impl<'a> LayerRun<'a> {
                         self.layer.minimise(inertia, how, kkt, &mut keep_going)?
                     }
                 };
-                self.report.take(&solve);
+                self.report.count(&solve);
                 solve
             }
         };

@@ -313,7 +313,8 @@ impl<'a> SheetRun<'a> {
         let solve = self
             .state
             .minimise(inertia.as_ref(), how, &mut keep_going)?;
-        self.report.take(&solve);
+        self.report.count(&solve);
+        self.report.end_with(&solve);
         self.solves += 1;
         let time = dynamics.map_or(to - from, |dynamics| dynamics.time_step);
         self.state.end_step(before, time);

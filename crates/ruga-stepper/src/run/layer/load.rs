@@ -7,6 +7,7 @@ use ruga_mesh::{FaceId, Id, PerFace, VertexId, face_areas, vertex_means};
 use ruga_shell::ShellError;
 
 use super::creases::CreaseStrengths;
+use super::pulls::ToldPulls;
 use super::{Layer, laid_on};
 use crate::StepperError;
 use crate::run::strain_ratio::{
@@ -29,6 +30,7 @@ pub(crate) struct LayerState {
     support: SupportSurface,
     fractions: PerFace<f64>,
     crease_strengths: CreaseStrengths,
+    pulls: ToldPulls,
     solid: Option<SolidState>,
 }
 
@@ -330,6 +332,7 @@ impl Layer {
             support: self.support.clone(),
             fractions: self.fractions.clone(),
             crease_strengths: self.crease_strengths.clone(),
+            pulls: self.pulls.clone(),
             solid: self.solid.as_ref().map(|solid| solid.state.clone()),
         }
     }
@@ -343,6 +346,7 @@ impl Layer {
         self.stand_on(state.support.clone(), state.fractions.clone())?;
         self.positions.clone_from(&state.positions);
         self.velocities.clone_from(&state.velocities);
+        self.pulls.clone_from(&state.pulls);
         self.set_crease_strengths(state.crease_strengths.clone())?;
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! What the anchors of creases pull with, and what averaging constraints have to know of it.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Vector2, Vector3};
@@ -15,6 +14,9 @@ use super::Layer;
 /// tenths.
 const SETTLED: f64 = 0.03;
 
+/// Share of the layer's thickness that counts as the depth of a shallower anchor.
+const SHALLOW: f64 = 0.1;
+
 /// Share of the first change that is taken over, since the line will take up the rest.
 const FIRST_SHARE: f64 = 0.8;
 
@@ -25,13 +27,14 @@ const MOST_SHARE: f64 = 1.0;
 /// How far what anchors pull with draws skin down in the mean, by vertices (m).
 type DrawnDown = Vec<(usize, f64)>;
 
-/// What averaging constraints are told of the pulls of anchors after a first solve.
-#[derive(Clone, Debug)]
+/// What averaging constraints are told of the pulls of anchors.
+#[derive(Clone, Debug, Default)]
 pub(super) struct ToldPulls {
-    drawn: DrawnDown,
-    /// What the solve before found them to be off by, and the share of that which was taken over.
-    off: Vec<f64>,
-    share: f64,
+    told: DrawnDown,
+    /// How far that is beyond what theory expects, by vertices: what one equilibrium has shown the next begins with.
+    beyond: BTreeMap<usize, f64>,
+    /// What the solve before has found to be off, and the share of it that was taken over.
+    change: Option<(Vec<f64>, f64)>,
 }
 
 /// An edge on a crease with an anchor.
@@ -51,51 +54,71 @@ impl ToldPulls {
     /// The share of what pulls are `off` by now that is taken over: that which would have left least of what they were
     /// off by before.
     fn next_share(&self, off: &[f64]) -> f64 {
+        let Some((off_before, share)) = &self.change else {
+            return FIRST_SHARE;
+        };
         let (mut along, mut square) = (0.0, 0.0);
-        for (before, off) in self.off.iter().zip(off) {
+        for (before, off) in off_before.iter().zip(off) {
             let change = before - off;
             along += before * change;
             square += change * change;
         }
         if square > 0.0 {
-            (self.share * along / square).clamp(LEAST_SHARE, MOST_SHARE)
+            (share * along / square).clamp(LEAST_SHARE, MOST_SHARE)
         } else {
-            self.share
+            *share
         }
+    }
+
+    /// Takes over a share of what pulls were found to be `off` by.
+    fn take(&mut self, off: Vec<f64>) {
+        let share = self.next_share(&off);
+        for ((v, told), off) in self.told.iter_mut().zip(&off) {
+            *told += share * off;
+            *self.beyond.entry(*v).or_default() += share * off;
+        }
+        self.change = Some((off, share));
     }
 }
 
 impl Layer {
     /// What anchors pull with moves every vertex by, where averages are taken of it (m); `None` where none does.
     pub(super) fn drawn_down(&self) -> Option<Vec<Vector3<f64>>> {
-        let told = self.told();
+        let told = &self.pulls.told;
         if told.is_empty() {
             return None;
         }
         let mut ways = vec![Vector3::zeros(); self.base.len()];
-        for (v, way) in told.iter() {
+        for (v, way) in told {
             ways[*v] = -way * self.support.posed.normals[*v];
         }
         Some(ways)
     }
 
-    /// Forgets what anchors were found to pull with: the next solve begins with what theory expects.
-    pub(crate) fn forget_pulls(&mut self) {
-        self.told_pulls = None;
+    /// Tells averaging constraints before a solve what theory expects anchors to pull with, and what the last
+    /// equilibrium had beyond that.
+    pub(crate) fn expect_pulls(&mut self) {
+        // Where rows act alone nothing else carries what an anchor pulls with.
+        let has_both = self.rows.count() > 0 && self.spec.coupling.has_foundation();
+        let mut told = match has_both {
+            true => self.predicted_pulls(),
+            false => DrawnDown::new(),
+        };
+        for (v, way) in &mut told {
+            *way += self.pulls.beyond.get(v).unwrap_or(&0.0);
+        }
+        self.pulls.told = told;
+        self.pulls.change = None;
     }
 
-    /// Takes over what anchors pull with in the present state, an equilibrium; whether it differs so much from what the
-    /// averaging constraints were told that it has to be found again.
-    pub(crate) fn take_pulls(&mut self) -> bool {
-        if self.rows.count() == 0 {
-            return false;
-        }
-        let told = self.told();
+    /// How far what anchors pull with in the present state, an equilibrium, is off from what averaging constraints were
+    /// told of it; `None` where another solve is not worth it.
+    pub(crate) fn pulls_off(&self) -> Option<Vec<f64>> {
+        let told = &self.pulls.told;
         if told.is_empty() {
-            return false;
+            return None;
         }
         let found = self.present_pulls();
-        let pairs = told.iter().zip(&found);
         let takes_up = self.on_lines_that_take_up();
         let off = |((v, told), (_, found)): (&(usize, f64), &(usize, f64))| {
             // Beside lines that take up compression little carries the skin, a way is long for a small pull, and what
@@ -103,39 +126,21 @@ impl Layer {
             let is_left = takes_up.contains(v) || !self.is_carried_in_full(*v);
             if is_left { 0.0 } else { found - told }
         };
-        let off: Vec<f64> = pairs.map(off).collect();
-        if self.has_settled(&told, &off) {
-            return false;
-        }
-        let share = match &self.told_pulls {
-            Some(before) => before.next_share(&off),
-            None => FIRST_SHARE,
-        };
-        let drawn = told.iter().zip(&off);
-        let drawn = drawn.map(|((v, way), off)| (*v, way + share * off));
-        self.told_pulls = Some(ToldPulls {
-            drawn: drawn.collect(),
-            off,
-            share,
-        });
-        true
+        let off: Vec<f64> = told.iter().zip(&found).map(off).collect();
+        (!self.has_settled(&off)).then_some(off)
     }
 
-    /// What averaging constraints are told that anchors pull with.
-    fn told(&self) -> Cow<'_, DrawnDown> {
-        match &self.told_pulls {
-            Some(told) => Cow::Borrowed(&told.drawn),
-            // Where rows act alone nothing else carries what an anchor pulls with.
-            None if !self.spec.coupling.has_foundation() => Cow::Owned(DrawnDown::new()),
-            None => Cow::Owned(self.predicted_pulls()),
-        }
+    /// Tells averaging constraints for another solve of what [`Self::pulls_off`] has found.
+    pub(crate) fn tell_pulls(&mut self, off: Vec<f64>) {
+        self.pulls.take(off);
     }
 
     /// Whether pulls that are off by so much (as ways of the skin, m) leave lines where they are.
-    fn has_settled(&self, told: &DrawnDown, off: &[f64]) -> bool {
+    fn has_settled(&self, off: &[f64]) -> bool {
         let mut deepest: BTreeMap<usize, f64> = BTreeMap::new();
         for edge in self.anchored_edges() {
-            let of_line = deepest.entry(edge.line).or_default();
+            let shallow = SHALLOW * self.spec.material.thickness;
+            let of_line = deepest.entry(edge.line).or_insert(shallow);
             for depth in edge.anchor.depths {
                 *of_line = of_line.max(depth.abs());
             }
@@ -148,7 +153,7 @@ impl Layer {
                 *depth = depth.max(deepest[&edge.line]);
             }
         }
-        let mut ways = told.iter().zip(off);
+        let mut ways = self.pulls.told.iter().zip(off);
         ways.all(|((v, _), off)| {
             let (stiffness, depth) = springs[v];
             (off * self.carrying(*v)).abs() <= SETTLED * depth * stiffness
@@ -285,15 +290,22 @@ mod tests {
     fn the_second_change_leaves_nothing_where_lines_answer_alike() {
         let answer = 0.7;
         let first = [1.0, -2.0];
-        let told = ToldPulls {
-            drawn: Vec::new(),
-            off: first.to_vec(),
-            share: FIRST_SHARE,
+        let mut pulls = ToldPulls {
+            told: vec![(0, 0.0), (1, 0.0)],
+            ..ToldPulls::default()
         };
+        pulls.take(first.to_vec());
         let left = 1.0 - FIRST_SHARE * (1.0 + answer);
-        let share = told.next_share(&first.map(|off| left * off));
+        let off = first.map(|off| left * off);
+        let share = pulls.next_share(&off);
         assert!((share * (1.0 + answer) - 1.0).abs() < 1e-12, "{share}");
         // Nothing has changed: nothing is learnt.
-        assert_eq!(told.next_share(&first), FIRST_SHARE);
+        assert_eq!(pulls.next_share(&first), FIRST_SHARE);
+        pulls.take(off.to_vec());
+        for (v, first) in first.into_iter().enumerate() {
+            let whole = first / (1.0 + answer);
+            assert!((pulls.told[v].1 - whole).abs() < 1e-12);
+            assert!((pulls.beyond[&v] - whole).abs() < 1e-12);
+        }
     }
 }

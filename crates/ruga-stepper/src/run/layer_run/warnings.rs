@@ -47,9 +47,8 @@ pub(crate) fn why_stopped(stop: StopRule, (iterations, residual): (usize, f64)) 
 const TOLERATED_LAG: f64 = 5e-2;
 
 impl LayerRun<'_> {
-    /// Notes that the body still gave way when the last solve ended.
-    pub(super) fn warn_of_lag(&mut self, pose_fraction: f64) {
-        let lag = self.layer.lag();
+    /// Notes that the body still gave way, by `lag`, when the solve that is kept ended.
+    pub(super) fn warn_of_lag(&mut self, lag: f64, pose_fraction: f64) {
         if lag > TOLERATED_LAG {
             self.is_rough = true;
             self.warn(format!(
