@@ -33,8 +33,8 @@ use crate::skin::refined::{Refined, in_all_directions, refined};
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
-    check_carried, check_growth, check_layer, check_map_size, check_modelling, check_motionless,
-    check_pose, check_unslit,
+    check_anchors, check_carried, check_growth, check_layer, check_map_size, check_modelling,
+    check_motionless, check_pose, check_unslit,
 };
 use crate::{LayerSpec, Mask, Modelling, PoseSpec, Sheet, StepperError};
 
@@ -218,6 +218,7 @@ pub fn plan(
     check_map_size(map_size)?;
     layers.iter().try_for_each(check_layer)?;
     layers.iter().try_for_each(check_carried)?;
+    layers.iter().try_for_each(check_anchors)?;
     layers.iter().try_for_each(check_unslit)?;
     for pose in poses {
         check_pose(driver, pose)?;

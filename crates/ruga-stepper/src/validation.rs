@@ -12,8 +12,8 @@ use ruga_shell::BendingModel;
 use crate::error::{Checked, refuse};
 use crate::growth::PoseGrowth;
 use crate::{
-    CreaseSpec, EdgeLimits, GROWTH_RANGE, Grows, GrowthSpec, LayerSpec, Modelling, PoseSpec,
-    StepperError,
+    CreaseAnchor, CreaseSpec, EdgeLimits, GROWTH_RANGE, Grows, GrowthSpec, LayerSpec, Modelling,
+    PoseSpec, StepperError,
 };
 
 /// Load steps of a pose: every one is kept in a list and solved, and ten are usual.
@@ -78,19 +78,21 @@ pub(crate) fn check_anchors(layer: &LayerSpec) -> Checked {
             (
                 "anchor.depth",
                 anchor.depth,
+                f64::MAX,
                 "a finite depth from 0, in metres",
             ),
             (
                 "anchor.stiffness",
                 anchor.stiffness,
-                "a finite number from 0",
+                CreaseAnchor::MOST_STIFFNESS,
+                "a number from 0 to 100",
             ),
         ];
         // Asked like this, what is no number is refused too.
         let wrong = values
             .iter()
-            .find(|(_, value, _)| !(*value >= 0.0 && value.is_finite()));
-        if let Some((field, value, accepted)) = wrong {
+            .find(|(_, value, most, _)| !(0.0..=*most).contains(value));
+        if let Some((field, value, _, accepted)) = wrong {
             return refuse(of_crease(layer, crease), field, value, accepted);
         }
     }

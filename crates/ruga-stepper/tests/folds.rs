@@ -65,6 +65,36 @@ fn an_anchor_lets_go_of_a_line_that_is_not_drawn() {
     assert_eq!(anchored, free);
 }
 
+/// Springs that throw a line out of its place make no result that counts as one, and stiffer ones are refused.
+#[test]
+fn a_line_that_is_thrown_away_is_told_of() {
+    let driver = driver();
+    let drawn = |stiffness: f64| {
+        let anchor = CreaseAnchor {
+            depth: 2e-2,
+            stiffness,
+        };
+        let spec = CreaseSpec {
+            anchor: Some(anchor),
+            ..crease(&driver, 0.0)
+        };
+        let poses = [pose(&driver, "fold", 0.01)];
+        let layers = [creased(spec, Coupling::Hybrid)];
+        plan(&driver, &layers, &poses, &draft(), 1024).map(|plan| plan.simulate(0, &mut Silent))
+    };
+    let result = drawn(100.0).expect("a plan").expect("a layer");
+    assert!(!result.converged);
+    let told =
+        |warning: &String| warning.contains("crease 'line' lies ") && warning.contains("`anchor`");
+    assert!(result.warnings.iter().any(told), "{:?}", result.warnings);
+    for wrong in [100.1, 1e300, f64::NAN] {
+        let refusal = drawn(wrong).err().expect("a refusal").to_string();
+        for word in ["anchor.stiffness", "a number from 0 to 100"] {
+            assert!(refusal.contains(word), "{refusal}");
+        }
+    }
+}
+
 /// From load step to load step, in twenty or in four, and on an even mesh a furrow becomes what it is in one key.
 #[test]
 fn every_way_to_a_key_folds_alike() {

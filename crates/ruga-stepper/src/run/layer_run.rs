@@ -432,6 +432,7 @@ impl<'a> LayerRun<'a> {
         self.report.measure(on, &faces, thickness);
         self.report.left_out = layer.left_out();
         self.report.creases = layer.crease_reports();
+        self.warn_of_runaway_creases();
     }
 
     /// The report of the layer that moves together with this one, over what was `planned` of it.

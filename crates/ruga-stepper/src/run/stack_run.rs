@@ -142,8 +142,8 @@ impl<'a> StackRun<'a> {
             run.warn_unwrinkled(&self.plan.driver);
         }
         run.warn_of_loading();
-        self.tell(&run, ending);
         run.measure();
+        self.tell(&run, ending);
         if let Some(upper) = run.layer.upper() {
             let planned = &self.result.layers[upper.index];
             self.result.layers[upper.index] = run.upper_report(upper, planned);

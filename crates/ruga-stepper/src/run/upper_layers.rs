@@ -50,6 +50,7 @@ impl<'a> StackRun<'a> {
             if ending == Ending::Reached && point.weight_fraction >= last {
                 upper.warn_unwrinkled(&self.plan.driver);
             }
+            upper.measure();
             self.tell(&upper, ending);
             if ending == Ending::Interrupted {
                 return Ok(None);
@@ -70,7 +71,6 @@ impl<'a> StackRun<'a> {
                 &as_shown(&lower),
             );
             shown.push(upper.layer.shown_positions(&surface.posed));
-            upper.measure();
             self.result.layers[index] = upper.report.clone();
             solved.push((upper, ending));
         }

@@ -77,6 +77,28 @@ impl LayerRun<'_> {
         self.warn(format!("{what} at load {pose_fraction:.3}: {why}"));
     }
 
+    /// Notes creases that lie where neither wrinkles nor their anchors take them: a strong anchor can throw the
+    /// layer into a crumpled equilibrium far away.
+    pub(super) fn warn_of_runaway_creases(&mut self) {
+        let specs = &self.layer.spec.creases;
+        let runaways = self.report.creases.iter().filter_map(|crease| {
+            let spec = specs.iter().find(|spec| spec.name == crease.name)?;
+            let anchored = spec.anchor.map_or(0.0, |anchor| anchor.depth);
+            let most = anchored + self.report.wavelength_predicted;
+            (crease.largest_depth.abs() > most).then(|| {
+                format!(
+                    "crease '{}' lies {:.0} mm from the surface, where nothing draws it; its map is wrong: give it a shallower or softer `anchor`, or the pose a smaller weight",
+                    crease.name,
+                    1e3 * crease.largest_depth.abs()
+                )
+            })
+        });
+        for warning in runaways.collect::<Vec<_>>() {
+            self.is_rough = true;
+            self.warn(warning);
+        }
+    }
+
     /// Notes where the layer was to wrinkle and has not.
     pub(crate) fn warn_unwrinkled(&mut self, driver: &Driver) {
         for warning in self.layer.unwrinkled(driver) {
