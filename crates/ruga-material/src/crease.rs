@@ -73,19 +73,50 @@ pub fn anchor_pull(crease: &CreaseLoad) -> f64 {
     if crease.anchor <= 0.0 {
         return 0.0;
     }
-    let stiffness = crease.stiffness.min(RIGID);
-    let below_onset = CreaseLoad {
-        load: crease.load.min(crease_onset(stiffness)),
-        stiffness,
-        ..*crease
-    };
     // At the onset itself rounding may leave no resistance; the depth is then what the anchor wants.
-    let depth = crease_depth(&below_onset).unwrap_or(crease.anchor_depth);
+    let depth = crease_depth(&below_onset(crease)).unwrap_or(crease.anchor_depth);
     let lack = crease.anchor_depth - depth;
     if lack * crease.anchor_depth > 0.0 {
         crease.anchor * lack
     } else {
         0.0
+    }
+}
+
+/// Depth over the bending length up to which the linear theory holds.
+const LINEAR: f64 = 0.3;
+
+/// Angle (rad) by which a crease is folded, positive in a valley: `4 α δ/l - a (d - δ)/l`, with `δ` from [`crease_depth`]
+/// and, at loads above [`crease_onset`], as it is at the onset.
+///
+/// Folds that alone would sink by more than 0.3 bending lengths count as doing that: there large deflections limit them.
+pub fn crease_fold(crease: &CreaseLoad) -> f64 {
+    let crease = below_onset(crease);
+    let Some(decay) = decay(crease.load) else {
+        return 0.0;
+    };
+    let most = 4.0 * decay * LINEAR;
+    match crease_depth(&crease) {
+        Some(depth) => {
+            let pull = match crease.anchor > 0.0 {
+                true => crease.anchor * (crease.anchor_depth - depth),
+                false => 0.0,
+            };
+            (4.0 * decay * depth - pull).clamp(-most, most)
+        }
+        // At the onset itself rounding may leave no resistance: a line without a rest angle stays as it is.
+        None if crease.rest_angle == 0.0 => 0.0,
+        None => most.copysign(crease.rest_angle),
+    }
+}
+
+/// The same crease under no more than the load at which it folds by itself.
+fn below_onset(crease: &CreaseLoad) -> CreaseLoad {
+    let stiffness = crease.stiffness.min(RIGID);
+    CreaseLoad {
+        load: crease.load.min(crease_onset(stiffness)),
+        stiffness,
+        ..*crease
     }
 }
 

@@ -45,7 +45,9 @@ mod uv_tile;
 mod variation;
 mod wrinkling;
 
-pub use crease::{CreaseLoad, anchor_pull, crease_depth, crease_onset, crease_profile};
+pub use crease::{
+    CreaseLoad, anchor_pull, crease_depth, crease_fold, crease_onset, crease_profile,
+};
 pub use design::design_layer;
 pub use error::MaterialError;
 pub use foundation::substrate_stiffness;

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 use ruga_material::{
-    CreaseLoad, WavelengthModel, anchor_pull, crease_depth, crease_onset, crease_profile, preset,
-    wrinkling,
+    CreaseLoad, WavelengthModel, anchor_pull, crease_depth, crease_fold, crease_onset,
+    crease_profile, preset, wrinkling,
 };
 
 #[test]
@@ -152,5 +152,42 @@ fn an_anchor_pulls_by_what_the_line_lacks() {
             });
             assert!(pull.is_finite(), "{stiffness} {load}: {pull}");
         }
+    }
+}
+
+/// At the line the moment of the crease is that of the film beside it, `(1 - 2 η) δ - α a (d - δ)`.
+#[test]
+fn a_line_folds_until_its_moment_is_that_of_the_film() {
+    for load in [-2.0, -0.3, 0.0, 0.4] {
+        for anchor in [0.0, 2.0, 20.0] {
+            let crease = CreaseLoad {
+                load,
+                stiffness: 1.4,
+                rest_angle: 0.1,
+                anchor,
+                anchor_depth: 0.15,
+            };
+            let depth = crease_depth(&crease).expect("a film that does not fold");
+            let pull = anchor_pull(&crease);
+            let decay = (0.5 * (1.0 - load)).sqrt();
+            let moment = crease.stiffness * (crease.rest_angle - crease_fold(&crease));
+            let of_film = (1.0 - 2.0 * load) * depth - decay * pull;
+            assert!(
+                (moment - of_film).abs() < 1e-12,
+                "{crease:?}: {moment} {of_film}"
+            );
+        }
+    }
+    // By itself a line folds without end at its onset: the film beside it sinks by three tenths of its bending length.
+    let most = 1.2 * (0.5 * (1.0 - crease_onset(0.2))).sqrt();
+    for (rest_angle, fold) in [(0.1, most), (-0.1, -most), (0.0, 0.0)] {
+        let crease = CreaseLoad {
+            load: 0.99,
+            stiffness: 0.2,
+            rest_angle,
+            anchor: 0.0,
+            anchor_depth: 0.0,
+        };
+        assert!((crease_fold(&crease) - fold).abs() < 1e-12);
     }
 }

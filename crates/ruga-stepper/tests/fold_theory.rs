@@ -57,17 +57,14 @@ fn a_furrow_is_as_deep_as_theory_says() {
         });
         let theory = theory.expect("a film that does not fold") / wave.wave_number;
         println!(
-            "slant {slant}, strain {strain}, stiffness {stiffness}, anchor {}: {:.4} of the theory's depth, {:.4} of that with averaging constraints",
+            "slant {slant}, strain {strain}, stiffness {stiffness}, anchor {}: {:.4} of the theory's depth, {:.4} with averaging constraints",
             anchor.is_some(),
             elastic / theory,
-            hybrid / elastic
+            hybrid / theory
         );
-        assert!((elastic / theory - 1.0).abs() < 0.05, "{elastic} {theory}");
-        // Averages over more than a wavelength take a little of it.
-        assert!(
-            (0.95..1.01).contains(&(hybrid / elastic)),
-            "{hybrid} {elastic}"
-        );
+        for found in [elastic, hybrid] {
+            assert!((found / theory - 1.0).abs() < 0.05, "{found} {theory}");
+        }
     }
 }
 
@@ -171,14 +168,15 @@ fn averages_leave_an_anchored_fold_its_depth() {
         });
         hybrid / elastic
     };
-    for (strain, [least_soft, least_stiff]) in [
-        (0.0, [0.98, 0.99]),
-        (0.045, [0.87, 0.97]),
-        (0.08, [0.91, 0.98]),
+    for (strain, [least_free, least_soft, least_stiff]) in [
+        (0.0, [0.99, 0.99, 0.99]),
+        (0.045, [0.8, 0.87, 0.96]),
+        (0.08, [0.89, 0.88, 0.97]),
     ] {
         let free = mean_depths(None, strain);
         println!("strain {strain}, no anchor: {free:.4}");
-        for (stiffness, least) in [(2.0, free.max(least_soft)), (20.0, free.max(least_stiff))] {
+        assert!((least_free..1.01).contains(&free), "{strain}: {free}");
+        for (stiffness, least) in [(2.0, least_soft), (20.0, least_stiff)] {
             for depth in [4e-4, 1e-3] {
                 let ratio = mean_depths(Some(CreaseAnchor { depth, stiffness }), strain);
                 println!("anchor {stiffness} to {depth} m, strain {strain}: {ratio:.4}");

@@ -5,6 +5,7 @@ mod bending;
 mod creases;
 mod equilibrium;
 mod face_states;
+mod furrows;
 mod load;
 mod output;
 mod pulls;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::{Vector2, Vector3};
-use ruga_material::{CreaseLoad, anchor_pull};
+use ruga_material::{CreaseLoad, Wrinkling, anchor_pull};
 use ruga_mesh::{FaceId, Id, VertexId, triangle_frame};
 use ruga_shell::LineAnchor;
 
@@ -25,13 +25,15 @@ const LEAST_SHARE: f64 = 0.3;
 const MOST_SHARE: f64 = 1.0;
 
 /// How far what anchors pull with draws skin down in the mean, by vertices (m).
-type DrawnDown = Vec<(usize, f64)>;
+pub(super) type DrawnDown = Vec<(usize, f64)>;
 
 /// What averaging constraints are told of the pulls of anchors.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ToldPulls {
     told: DrawnDown,
-    /// How far that is beyond what theory expects, by vertices: what one equilibrium has shown the next begins with.
+    /// How far creases sink as they fold, and lift the skin beside them, which theory alone says.
+    furrows: DrawnDown,
+    /// How far what is told is beyond what theory expects, by vertices: what one equilibrium has shown the next begins with.
     beyond: BTreeMap<usize, f64>,
     /// What the solve before has found to be off, and the share of it that was taken over.
     change: Option<(Vec<f64>, f64)>,
@@ -82,32 +84,33 @@ impl ToldPulls {
 }
 
 impl Layer {
-    /// What anchors pull with moves every vertex by, where averages are taken of it (m); `None` where none does.
+    /// What anchors pull with, and folds draw with, moves every vertex by where averages are taken of it (m); `None`
+    /// where nothing does.
     pub(super) fn drawn_down(&self) -> Option<Vec<Vector3<f64>>> {
-        let told = &self.pulls.told;
-        if told.is_empty() {
+        let (told, furrows) = (&self.pulls.told, &self.pulls.furrows);
+        if told.is_empty() && furrows.is_empty() {
             return None;
         }
         let mut ways = vec![Vector3::zeros(); self.base.len()];
-        for (v, way) in told {
-            ways[*v] = -way * self.support.posed.normals[*v];
+        for (v, way) in told.iter().chain(furrows) {
+            ways[*v] -= *way * self.support.posed.normals[*v];
         }
         Some(ways)
     }
 
     /// Tells averaging constraints before a solve what theory expects anchors to pull with, and what the last
-    /// equilibrium had beyond that.
+    /// equilibrium had beyond that, and how lines lie that fold.
     pub(crate) fn expect_pulls(&mut self) {
         // Where rows act alone nothing else carries what an anchor pulls with.
         let has_both = self.rows.count() > 0 && self.spec.coupling.has_foundation();
-        let mut told = match has_both {
-            true => self.predicted_pulls(),
-            false => DrawnDown::new(),
+        let (mut told, furrows) = match has_both {
+            true => (self.predicted_pulls(), self.furrows()),
+            false => (DrawnDown::new(), DrawnDown::new()),
         };
         for (v, way) in &mut told {
             *way += self.pulls.beyond.get(v).unwrap_or(&0.0);
         }
-        self.pulls.told = told;
+        (self.pulls.told, self.pulls.furrows) = (told, furrows);
         self.pulls.change = None;
     }
 
@@ -227,28 +230,46 @@ impl Layer {
     }
 
     /// Force per length (N/m) with which springs of a `stiffness` (Pa) draw the crease on an edge to a `depth` (m).
-    fn pull(&self, rank: usize, (stiffness, depth): (f64, f64)) -> f64 {
+    fn pull(&self, rank: usize, anchor: (f64, f64)) -> f64 {
+        self.beside(self.skin.creases[rank].edge, |face| {
+            let (load, wave) = (self.crease_load(rank, face, anchor), self.wrinkling(face));
+            anchor_pull(&load) * self.foundation(face) / (wave.wave_number * wave.wave_number)
+        })
+    }
+
+    /// What loads the crease on an edge, with springs of a stiffness (Pa) that draw it to a depth (m), for the skin of
+    /// a face beside it.
+    pub(super) fn crease_load(
+        &self,
+        rank: usize,
+        face: FaceId,
+        (stiffness, depth): (f64, f64),
+    ) -> CreaseLoad {
         let edge = self.skin.creases[rank].edge;
         let crease = self.drawn_crease(rank);
         let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
         let [from, to] = mesh.edges()[edge].vertices.map(|v| rest[v.index()]);
-        self.beside(edge, |face| {
-            let wave = &self.properties.faces[face].wrinkling;
-            let frame = triangle_frame(&mesh.faces()[face].map(|v| rest[v.index()]));
-            let along = frame.map(|axis| axis.dot(&(to - from)));
-            let across = Vector2::new(-along[1], along[0]).normalize();
-            // Lengths are those of skin that is held in full, also where less of the foundation is left.
-            let foundation = wave.normal_stiffness * self.absorption.carried(face.index());
-            let unit = foundation / wave.wave_number;
-            let pull = anchor_pull(&CreaseLoad {
-                load: wave.reduced_load(self.strain_ratios().across(face, &across)),
-                stiffness: wave.crease_stiffness(crease.compliance * wave.bending_stiffness),
-                rest_angle: crease.rest_angle,
-                anchor: stiffness / unit,
-                anchor_depth: depth * wave.wave_number,
-            });
-            pull * unit / wave.wave_number
-        })
+        let wave = self.wrinkling(face);
+        let frame = triangle_frame(&mesh.faces()[face].map(|v| rest[v.index()]));
+        let along = frame.map(|axis| axis.dot(&(to - from)));
+        let across = Vector2::new(-along[1], along[0]).normalize();
+        CreaseLoad {
+            load: wave.reduced_load(self.strain_ratios().across(face, &across)),
+            stiffness: wave.crease_stiffness(crease.compliance * wave.bending_stiffness),
+            rest_angle: crease.rest_angle,
+            anchor: stiffness * wave.wave_number / self.foundation(face),
+            anchor_depth: depth * wave.wave_number,
+        }
+    }
+
+    pub(super) fn wrinkling(&self, face: FaceId) -> &Wrinkling {
+        &self.properties.faces[face].wrinkling
+    }
+
+    /// What is left of the foundation below a face, Pa/m. Lengths are those of skin that is held in full, also where
+    /// less is left.
+    fn foundation(&self, face: FaceId) -> f64 {
+        self.wrinkling(face).normal_stiffness * self.absorption.carried(face.index())
     }
 
     /// The vertices on lines that take up compression.
@@ -268,14 +289,12 @@ impl Layer {
     }
 
     /// Stiffness of the foundation below a vertex, N/m.
-    fn carrying(&self, vertex: usize) -> f64 {
+    pub(super) fn carrying(&self, vertex: usize) -> f64 {
         let (mesh, rest) = (&self.skin.mesh, &self.skin.rest.positions);
         let faces = mesh.vertex_faces(VertexId::from_index(vertex)).iter();
         let of_face = |&face: &FaceId| {
             let [a, b, c] = mesh.faces()[face].map(|v| rest[v.index()]);
-            let stiffness = self.properties.faces[face].wrinkling.normal_stiffness;
-            let third = (b - a).cross(&(c - a)).norm() / 6.0;
-            third * stiffness * self.absorption.carried(face.index())
+            (b - a).cross(&(c - a)).norm() / 6.0 * self.foundation(face)
         };
         faces.map(of_face).sum()
     }
