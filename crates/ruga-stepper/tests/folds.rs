@@ -88,7 +88,7 @@ fn a_line_that_is_thrown_away_is_told_of() {
         |warning: &String| warning.contains("crease 'line' lies ") && warning.contains("`anchor`");
     assert!(result.warnings.iter().any(told), "{:?}", result.warnings);
     for wrong in [100.1, 1e300, f64::NAN] {
-        let refusal = drawn(wrong).err().expect("a refusal").to_string();
+        let refusal = drawn(wrong).map(|_| ()).expect_err("a refusal").to_string();
         for word in ["anchor.stiffness", "a number from 0 to 100"] {
             assert!(refusal.contains(word), "{refusal}");
         }
