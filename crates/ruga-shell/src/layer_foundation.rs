@@ -8,6 +8,7 @@ use ruga_mesh::{BlockPattern, BlockSlot, Id, SparseRows, TriMesh};
 
 use crate::foundation::{Anchor, NormalFoundation, TangentialSpring};
 use crate::layer_part::{PartNumbers, pick, rank};
+use crate::line_anchor::{line_spring_energy, line_spring_pulls};
 use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
 use crate::stencil::FaceCorner;
@@ -431,14 +432,12 @@ impl LineSpring {
     }
 
     fn value(&self, w: &[f64]) -> f64 {
-        let [u, v] = self.excess(w);
-        self.stiffness / 6.0 * (u * u + u * v + v * v)
+        line_spring_energy(self.stiffness, self.excess(w))
     }
 
     /// Derivative of the energy by the deviations of the ends (N).
     fn forces(&self, w: &[f64]) -> [f64; 2] {
-        let [u, v] = self.excess(w);
-        [2.0 * u + v, u + 2.0 * v].map(|sum| self.stiffness / 6.0 * sum)
+        line_spring_pulls(self.stiffness, self.excess(w))
     }
 }
 

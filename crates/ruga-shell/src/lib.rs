@@ -101,7 +101,7 @@ pub use energy_parts::EnergyParts;
 pub use layer_energy::LayerEnergy;
 pub use layer_foundation::FoundationStiffness;
 pub use layer_part::{LayerPart, PartIndex};
-pub use line_anchor::LineAnchor;
+pub use line_anchor::{LineAnchor, line_spring_energy, line_spring_pulls};
 pub use natural_curvature::MAX_NATURAL_ANGLE;
 pub use parameters::{FaceParameters, LayerParameters, MIN_AREA_LEFT};
 pub use upper_sheet::UpperSheet;

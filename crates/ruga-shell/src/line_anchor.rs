@@ -21,6 +21,17 @@ pub struct LineAnchor {
     pub depths: [f64; 2],
 }
 
+/// Energy (J) of springs along an edge, of a stiffness `k_a l` (N/m) in all, whose ends lie `excess` (m) over where they
+/// are drawn to.
+pub fn line_spring_energy(stiffness: f64, [u, v]: [f64; 2]) -> f64 {
+    stiffness / 6.0 * (u * u + u * v + v * v)
+}
+
+/// The derivatives of [`line_spring_energy`] by the two excesses: what the springs pull the ends down with (N).
+pub fn line_spring_pulls(stiffness: f64, [u, v]: [f64; 2]) -> [f64; 2] {
+    [2.0 * u + v, u + 2.0 * v].map(|sum| stiffness / 6.0 * sum)
+}
+
 impl LineAnchor {
     pub(crate) fn check(&self) -> Result<(), ShellError> {
         let Self {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Vector3};
 use ruga_lattice::{Embedding, Lattice, LatticeEnergy, LatticeError};
 use ruga_mesh::{BlockPattern, Id};
-use ruga_shell::LineAnchor;
+use ruga_shell::{LineAnchor, line_spring_energy, line_spring_pulls};
 
 use crate::LayerSpec;
 use crate::skin::skin_mesh::SkinMesh;
@@ -147,10 +147,8 @@ impl LineAnchors {
     /// Energy (J) with the layer's vertices at `x` and the nodes at `q` (m).
     pub(crate) fn value(&self, x: &[Vector3<f64>], q: &[Vector3<f64>]) -> f64 {
         let heights = self.heights_over(x, q);
-        let energy = |edge: &AnchoredEdge| {
-            let [u, v] = self.excess(edge, &heights);
-            edge.stiffness / 6.0 * (u * u + u * v + v * v)
-        };
+        let energy =
+            |edge: &AnchoredEdge| line_spring_energy(edge.stiffness, self.excess(edge, &heights));
         self.edges.iter().map(energy).sum()
     }
 
@@ -159,10 +157,9 @@ impl LineAnchors {
         let heights = self.heights_over(x, q);
         let mut pulls = vec![Vector3::zeros(); self.vertices.len()];
         for edge in &self.edges {
-            let [u, v] = self.excess(edge, &heights);
-            let scale = edge.stiffness / 6.0;
-            for (end, sum) in edge.ends.iter().zip([2.0 * u + v, u + 2.0 * v]) {
-                pulls[*end as usize] += self.normals[*end as usize] * (scale * sum);
+            let own = line_spring_pulls(edge.stiffness, self.excess(edge, &heights));
+            for (end, pull) in edge.ends.iter().zip(own) {
+                pulls[*end as usize] += self.normals[*end as usize] * pull;
             }
         }
         let opposite: Vec<_> = pulls.iter().map(|pull| -pull).collect();

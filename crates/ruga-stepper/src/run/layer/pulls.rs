@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::{Vector2, Vector3};
 use ruga_material::{CreaseLoad, Wrinkling, anchor_pull};
 use ruga_mesh::{FaceId, Id, VertexId, triangle_frame};
-use ruga_shell::LineAnchor;
+use ruga_shell::{LineAnchor, line_spring_pulls};
 
 use super::Layer;
 
@@ -190,9 +190,8 @@ impl Layer {
         }
         let heights = self.heights();
         self.drawn_by(|edge| {
-            let [u, v] = [0, 1].map(|end| heights[edge.ends[end]] + edge.anchor.depths[end]);
-            let unit = edge.anchor.stiffness * edge.length / 6.0;
-            [unit * (2.0 * u + v), unit * (u + 2.0 * v)]
+            let excess = [0, 1].map(|end| heights[edge.ends[end]] + edge.anchor.depths[end]);
+            line_spring_pulls(edge.anchor.stiffness * edge.length, excess)
         })
     }
 
