@@ -198,6 +198,46 @@ fn lines_are_refused_where_nothing_would_fold() {
     }
 }
 
+/// A layer on one that folds goes into the fold with it: as deep, but for what it rounds off, and flat where the skin
+/// below is.
+#[test]
+fn a_layer_follows_the_fold_below_it() {
+    let driver = driver();
+    let mut spec = crease(&driver, 0.0);
+    spec.law.angle = f64::to_radians(40.0);
+    let lower = creased(spec, Coupling::Hybrid);
+    let mut upper = skin("forehead-furrow", Coupling::Hybrid);
+    upper.name = "upper".into();
+    upper.material.thickness *= 0.5;
+    let modelling = Modelling {
+        stack: Stack::Nominal,
+        region: Region::All,
+        ..draft()
+    };
+    let poses = [PoseSpec {
+        keys: vec![1.0],
+        ..pose(&driver, "fold", 0.0)
+    }];
+    let plan = plan(&driver, &[lower, upper], &poses, &modelling, 1024).expect("a plan");
+    let result = plan.simulate(0, &mut Silent).expect("two layers");
+    assert!(result.converged, "{:?}", result.warnings);
+    let [below, above] = [0, 1].map(|i| &result.keys[0].layers[i]);
+    let deviations = |near: &dyn Fn(f64) -> bool| {
+        [below, above].map(|layer| {
+            let places = layer.driver_positions.iter().zip(layer.displacements());
+            let middle = places
+                .filter(|(p, _)| (p.y / SIDE - 0.5).abs() < 0.2 && near((p.x / SIDE - 0.5).abs()));
+            middle.fold(0.0, |low: f64, (_, way)| low.min(way.z))
+        })
+    };
+    let [lower, upper] = deviations(&|off| off < 0.05);
+    assert!(lower < -1e-4, "{lower}");
+    assert!((0.9..1.0).contains(&(upper / lower)), "{upper} {lower}");
+    for low in deviations(&|off| off > 0.35) {
+        assert!(low > 0.01 * lower, "{low} {lower}");
+    }
+}
+
 /// Of skin that is shortened by 30 % a crease that absorbs takes up what wrinkles cannot within a wavelength of it, less
 /// towards the end of its reach, and folds by as much: two sides of a band that lost 7.2 % turn by 44 degrees to each
 /// other, and what the skin beside it does not take folds it further.
