@@ -279,7 +279,11 @@ fn closest(
     places: &[f64],
     edge: f64,
 ) -> Option<(f64, f64, f64)> {
-    let meets = |at: f64| places.iter().any(|s| (s - at).abs() < NEAR_CROSSING * edge);
+    let meets = |at: f64| {
+        places
+            .iter()
+            .any(|s| line.apart([*s, at]) < NEAR_CROSSING * edge)
+    };
     let mut closest: Option<(f64, f64, f64)> = None;
     for &(at, p) in a.iter().filter(|(at, _)| !meets(*at)) {
         for &(other, q) in b {

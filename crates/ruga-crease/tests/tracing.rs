@@ -306,6 +306,31 @@ fn odd_lines_are_told_of() {
     ));
 }
 
+/// The arms of a figure eight, of which thinning makes two loops that begin and end in its middle.
+#[test]
+fn loops_that_meet_where_they_begin_are_not_too_close() {
+    let sheet = square(8, 0.2, 7);
+    let surface = (&sheet.mesh, sheet.positions.as_slice());
+    for slant in [0.0, 0.8] {
+        // Drops whose tips are in the middle.
+        let drop = |side: f64| {
+            let point = |i: i32| {
+                let (sin, cos) = (TAU * f64::from(i) / 24.0).sin_cos();
+                let away = 0.2 * (1.0 - cos);
+                let up = 0.2 * sin * (away / 0.2).min(1.0);
+                Vector2::new(0.5 + side * away + slant * up, 0.5 + up)
+            };
+            LineInput::Uv {
+                points: (0..24).map(point).collect(),
+                is_closed: true,
+                corners: Corners::Round,
+            }
+        };
+        let lines = [-1.0, 1.0].map(|side| traced(&sheet, &drop(side)));
+        assert_eq!(check_lines(&lines, surface, 0.01).unwrap(), [], "{slant}");
+    }
+}
+
 #[test]
 fn lines_are_found_at_their_places() {
     let sheet = square(8, 0.25, 9);
