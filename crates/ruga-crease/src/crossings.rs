@@ -2,7 +2,7 @@
 
 use ruga_mesh::{FaceId, Id, MaterialPoint, TriMesh};
 
-use crate::trace::is_same;
+use crate::walk::is_same;
 use crate::{LineSegment, TracedLine};
 
 /// Share of a segment beyond its ends that still counts as the segment: rounding where segments meet on an

@@ -50,7 +50,7 @@ pub enum CreaseError {
         uv: [f64; 2],
     },
     /// A point lies where charts of the texture layout lie on each other.
-    #[error("near its point {point}, at UV ({}, {}), the line lies in triangles {} and {}, which overlap in the texture layout: give the line by vertices of the mesh, or move one of the islands", short(uv[0]), short(uv[1]), faces[0], faces[1])]
+    #[error("near its point {point}, at UV ({}, {}), the line lies in triangles {} and {}, which overlap in the texture layout: give the line by vertices of the mesh or as a curve in space, or move one of the islands", short(uv[0]), short(uv[1]), faces[0], faces[1])]
     OverlappingCharts {
         /// Number of the point.
         point: usize,
@@ -86,6 +86,17 @@ pub enum CreaseError {
     NoWay {
         /// Number of the first of the two points.
         leg: usize,
+    },
+    /// The two points of a line on both sides of a seam are not one place.
+    #[error(
+        "points {leg} and {} of the line lie on both sides of a UV seam, {:.2} mm from each other on the surface: give the same place of the seam in both islands",
+        leg + 1, distance * 1e3
+    )]
+    ApartOnSeam {
+        /// Number of the first of the two points.
+        leg: usize,
+        /// Their distance (m).
+        distance: f64,
     },
     /// A point is too far from the surface.
     #[error(
@@ -155,11 +166,7 @@ pub enum CreaseError {
         values: usize,
     },
     /// No texel of an image is bright enough, or too few for a line.
-    #[error(
-        "the image shows no line: {} as bright as {} %, or too few in a row; paint lines white on black",
-        match bright { 0 => "no texel is".to_owned(), 1 => "1 texel is".to_owned(), more => format!("{more} texels are") },
-        short(threshold * 100.0)
-    )]
+    #[error("the image shows no line: {}; paint lines white on black", no_line(*bright, *threshold))]
     NoLineInImage {
         /// Texels that are bright enough.
         bright: usize,
@@ -182,6 +189,34 @@ pub enum CreaseError {
         /// Most that are accepted.
         limit: usize,
     },
+}
+
+impl CreaseError {
+    /// Number of the point at which, or after which, a line is wrong.
+    pub fn point(&self) -> Option<usize> {
+        match *self {
+            Self::NotFinite { point }
+            | Self::OutsideUv { point, .. }
+            | Self::OverlappingCharts { point, .. } => Some(point),
+            Self::AcrossSeam { leg, .. }
+            | Self::LeavesSurface { leg, .. }
+            | Self::ApartOnSeam { leg, .. }
+            | Self::NoWay { leg } => Some(leg),
+            _ => None,
+        }
+    }
+}
+
+/// Why an image shows no line: what is as bright as one may still be no stroke.
+fn no_line(bright: usize, threshold: f64) -> String {
+    let least = short(threshold * 100.0);
+    match bright {
+        0 => format!("no texel is as bright as {least} %"),
+        1 => format!("only 1 texel is as bright as {least} %, and a line needs several in a row"),
+        more => {
+            format!("{more} texels are as bright as {least} %, but too few of them in a row")
+        }
+    }
 }
 
 /// A number with four decimals, fewer where they are zero.

@@ -1,7 +1,7 @@
 //! Places of a texture layout.
 
 use nalgebra::Vector2;
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace, TriMesh};
 
 /// Distance in the texture layout up to which two places are one: what files round to.
 pub(crate) const SAME_UV: f64 = 1e-6;
@@ -50,6 +50,23 @@ pub(crate) fn beside(uvs: &PerFace<[Vector2<f64>; 3]>, uv: Vector2<f64>) -> Opti
         }
     }
     nearest
+}
+
+/// Whether two faces lie side by side in the layout as they do on the surface, along the first one's edge that begins
+/// at a corner.
+pub(crate) fn hangs_together(
+    mesh: &TriMesh,
+    uvs: &PerFace<[Vector2<f64>; 3]>,
+    [face, next]: [FaceId; 2],
+    corner: usize,
+) -> bool {
+    let same = |corner: usize| {
+        let vertex = mesh.faces()[face][corner % 3];
+        let other = mesh.faces()[next].iter().position(|&v| v == vertex);
+        let here = uvs[face][corner % 3];
+        other.is_some_and(|other| (uvs[next][other] - here).amax() < SAME_UV)
+    };
+    same(corner) && same(corner + 1)
 }
 
 pub(crate) fn longest_uv_side([a, b, c]: &[Vector2<f64>; 3]) -> f64 {

@@ -4,19 +4,23 @@
 //! ## Parts
 //!
 //! A [`LineInput`] is a line as someone drew it: points in texture space or in space, or vertices along edges.
-//! [`skeleton_lines`] draws lines from the skeleton of a grey image. A [`LineTracer`] turns each into a
-//! [`TracedLine`]: segments inside triangles, addressed by barycentric coordinates, with arc lengths.
-//! [`line_crossings`] finds where lines meet and [`check_lines`] what is wrong with them together. A
-//! [`LineLaw`] says how stiff and how folded a crease is along its line. [`cut_lines`] gives a mesh edges
-//! on the lines, and [`LinePlaces`] finds them again after a remesh. [`valleys`] of a relief and [`NewLines`] are where
-//! wrinkles leave lines, and a [`YieldLaw`] says what a crease keeps of its folds.
+//! [`skeleton_lines`] finds the middle lines of what is painted in a grey image, and a [`Stroke`] is one of them on a
+//! texture layout. A [`LineTracer`] turns each into a [`TracedLine`]: segments inside triangles, addressed by
+//! barycentric coordinates, with arc lengths. [`line_crossings`] finds where lines meet and [`check_lines`] what is
+//! wrong with them together. A [`LineLaw`] says how stiff and how folded a crease is along its line. [`cut_lines`]
+//! gives a mesh edges on the lines, and [`LinePlaces`] finds them again after a remesh. [`valleys`] of a relief and
+//! [`NewLines`] are where wrinkles leave lines, and a [`YieldLaw`] says what a crease keeps of its folds.
 //!
 //! Rounding is by cubic Hermite curves through the points with tangents of Catmull and Rom 1974; the skeleton
 //! is that of Pudney 1998. Positions and lengths are in metres, angles in radians.
 
+mod islands;
 mod layout_places;
 mod line_input;
 mod rounding;
+mod seam_joints;
+mod stroke_pieces;
+mod strokes;
 mod trace;
 mod traced_line;
 mod walk;
@@ -39,6 +43,7 @@ mod error;
 mod warning;
 
 pub use line_input::{Corners, LineInput};
+pub use strokes::{RefusedStroke, Stroke, StrokeWidth, TracedStrokes};
 pub use trace::LineTracer;
 pub use traced_line::{LineSegment, TracedLine};
 

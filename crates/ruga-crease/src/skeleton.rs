@@ -53,8 +53,8 @@ impl Default for SkeletonSettings {
 pub struct SkeletonLine {
     /// Texture coordinates.
     pub points: Vec<Vector2<f64>>,
-    /// Brightness at every point: the strength along the line.
-    pub strength: Vec<f64>,
+    /// Half the width of the stroke at every point (texels).
+    pub half_width: Vec<f64>,
     /// Whether the last point is joined to the first.
     pub is_closed: bool,
 }
@@ -120,7 +120,7 @@ pub fn skeleton_lines(
             .partial_cmp(&start(b))
             .unwrap_or(std::cmp::Ordering::Equal)
     });
-    let lines = kept.into_iter().map(|branch| line(branch, image));
+    let lines = kept.into_iter().map(|branch| line(branch, image, &radius));
     let is_line = |line: &SkeletonLine| line.points.len() >= if line.is_closed { 3 } else { 2 };
     Ok(lines.filter(is_line).collect())
 }
@@ -132,7 +132,11 @@ fn refuse_noise(branches: usize, limit: usize) -> Result<(), CreaseError> {
     }
 }
 
-fn line(mut branch: Branch, image: &GreyImage<'_>) -> SkeletonLine {
+fn line(
+    mut branch: Branch,
+    image: &GreyImage<'_>,
+    radius: &impl Fn(&Vector2<f64>) -> f64,
+) -> SkeletonLine {
     let is_loop = branch.nodes.is_some_and(|[from, to]| from == to);
     if is_loop {
         branch.points.pop();
@@ -159,10 +163,10 @@ fn line(mut branch: Branch, image: &GreyImage<'_>) -> SkeletonLine {
             .iter()
             .map(|&i| (smooth[i] + Vector2::repeat(0.5)).component_div(&size))
             .collect(),
-        // Beside a corner of a thin stroke the smoothed point lies on dark ground.
-        strength: kept
+        // Radii reach to the centre of the first dark texel.
+        half_width: kept
             .iter()
-            .map(|&i| brightness(image, &branch.points[i]))
+            .map(|&i| (radius(&branch.points[i]) - 0.5).max(0.5))
             .collect(),
         is_closed,
     }
@@ -183,17 +187,4 @@ fn smoothed(points: &[Vector2<f64>], is_fixed: impl Fn(usize) -> bool) -> Vec<Ve
         points = (0..count).map(average).collect();
     }
     points
-}
-
-/// Brightness of the texel at a point, or of the brightest one that a point between texels, as the middle of
-/// several where strokes meet, lies beside.
-fn brightness(image: &GreyImage<'_>, point: &Vector2<f64>) -> f64 {
-    let texels = |at: f64, count: usize| {
-        [at.floor(), at.ceil()].map(|at| (at.max(0.0) as usize).min(count - 1))
-    };
-    let columns = texels(point.x, image.width);
-    let rows = texels(point.y, image.height);
-    let beside = rows.into_iter().flat_map(|y| columns.map(|x| (x, y)));
-    let values = beside.map(|(x, y)| f64::from(image.values[y * image.width + x]));
-    values.fold(0.0, f64::max)
 }

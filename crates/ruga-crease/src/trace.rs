@@ -10,7 +10,7 @@ use ruga_mesh::{
 use crate::layout_places::{BESIDE_UV, beside, longest_uv_side, onto_edges, uv_at};
 use crate::line_input::{Corners, LineInput};
 use crate::rounding::rounded;
-use crate::walk::{Step, Stop, faces_at, place_in, walk};
+use crate::walk::{Step, Stop, place_in, walk};
 use crate::ways::{SpaceWay, UvWay};
 use crate::{CreaseError, TracedLine};
 
@@ -20,6 +20,11 @@ const LEAST_AREA: f64 = 1e-9;
 /// Distance of the two points given on both sides of a seam, in longest sides of a triangle there, up to which
 /// they are one place.
 const SAME_PLACE: f64 = 0.25;
+
+/// Distance of two points on a seam, in longest sides, up to which one place is likely to be meant, and times that they
+/// are farther apart in the layout then.
+const NEAR_SEAM: f64 = 2.0;
+const FARTHER_BY_SEAM: f64 = 1.5;
 
 /// Times that the two points of a seam are farther apart in the layout than on the surface, at the scale of the
 /// triangles there. A step taken for a seam by mistake, where the layout is stretched, is walked in space.
@@ -98,6 +103,15 @@ impl<'a> LineTracer<'a> {
             }
             LineInput::Edges { vertices } => self.trace_edges(vertices)?,
         };
+        self.finish(steps, is_closed)
+    }
+
+    /// The line along these steps.
+    pub(crate) fn finish(
+        &self,
+        steps: Vec<Step>,
+        is_closed: bool,
+    ) -> Result<TracedLine, CreaseError> {
         self.check_faces(&steps)?;
         let traced = TracedLine::new(steps, is_closed, (self.mesh, self.positions));
         if traced.segments().is_empty() {
@@ -113,7 +127,7 @@ impl<'a> LineTracer<'a> {
         is_closed: bool,
         corners: Corners,
     ) -> Result<Vec<Step>, CreaseError> {
-        let uvs = self.uvs.ok_or(CreaseError::NoTextureCoordinates)?;
+        let uvs = self.texture()?;
         let jumps = self.jumps(uvs, points, is_closed)?;
         // A closed line that crosses seams is one run from its first jump on; runs between are smooth each.
         let count = points.len();
@@ -151,7 +165,8 @@ impl<'a> LineTracer<'a> {
             for (pair, ends) in curve.windows(2).zip(places.windows(2)) {
                 let leg = run[pair[0].1];
                 let found = self.walk_in_uv(uvs, [ends[0], ends[1]]);
-                steps.extend(found.map_err(|stop| stopped(stop, leg))?);
+                let ends = [points[leg], points[(leg + 1) % count]];
+                steps.extend(found.map_err(|stop| self.stopped_between(uvs, ends, (stop, leg)))?);
             }
         }
         // The run after the last jump began with the first point after the first one.
@@ -163,8 +178,21 @@ impl<'a> LineTracer<'a> {
         Ok(steps)
     }
 
+    pub(crate) fn mesh(&self) -> &TriMesh {
+        self.mesh
+    }
+
+    pub(crate) fn texture(&self) -> Result<&'a PerFace<[Vector2<f64>; 3]>, CreaseError> {
+        self.uvs.ok_or(CreaseError::NoTextureCoordinates)
+    }
+
+    /// Finds places in the texture layout.
+    pub(crate) fn plane(&self, uvs: &PerFace<[Vector2<f64>; 3]>) -> &PlanarLookup {
+        self.plane.get_or_init(|| PlanarLookup::new(uvs.clone()))
+    }
+
     /// The way straight in the texture layout.
-    fn walk_in_uv(
+    pub(crate) fn walk_in_uv(
         &self,
         uvs: &PerFace<[Vector2<f64>; 3]>,
         ends: [MaterialPoint; 2],
@@ -189,8 +217,30 @@ impl<'a> LineTracer<'a> {
             return error;
         };
         match self.walk_in_uv(uvs, [from, to]) {
-            Err(stop) => stopped(stop, leg),
+            Err(stop) => self.stopped_between(uvs, ends, (stop, leg)),
             Ok(_) => error,
+        }
+    }
+
+    /// Why the way from one point of a line to the next stops: both may be meant as one place of a seam.
+    fn stopped_between(
+        &self,
+        uvs: &PerFace<[Vector2<f64>; 3]>,
+        points: [Vector2<f64>; 2],
+        (stop, leg): (Stop, usize),
+    ) -> CreaseError {
+        let [Ok(from), Ok(to)] = points.map(|uv| self.locate(uvs, uv, leg)) else {
+            return stopped(stop, leg);
+        };
+        let on_edges = [from, to].map(|place| place.barycentric.contains(&0.0));
+        let [a, b] = [from, to].map(|place| place.interpolate(self.mesh, self.positions));
+        let (distance, side) = ((b - a).norm(), self.longest_side(from.face));
+        let step = (points[1] - points[0]).norm();
+        let scale = longest_uv_side(&uvs[from.face]) / side;
+        let is_seam = step > FARTHER_BY_SEAM * scale * distance;
+        match on_edges == [true; 2] && is_seam && distance < NEAR_SEAM * side {
+            true => CreaseError::ApartOnSeam { leg, distance },
+            false => stopped(stop, leg),
         }
     }
 
@@ -224,13 +274,13 @@ impl<'a> LineTracer<'a> {
     }
 
     /// The place of a point of the texture layout.
-    fn locate(
+    pub(crate) fn locate(
         &self,
         uvs: &PerFace<[Vector2<f64>; 3]>,
         uv: Vector2<f64>,
         point: usize,
     ) -> Result<MaterialPoint, CreaseError> {
-        let lookup = self.plane.get_or_init(|| PlanarLookup::new(uvs.clone()));
+        let lookup = self.plane(uvs);
         let Some(first) = lookup.locate(uv) else {
             let outside = CreaseError::OutsideUv {
                 point,
@@ -292,7 +342,7 @@ impl<'a> LineTracer<'a> {
     }
 
     /// The way in the plane through two places and the normal between them.
-    fn walk_in_space(
+    pub(crate) fn walk_in_space(
         &self,
         ends: [MaterialPoint; 2],
         leg: usize,
@@ -405,7 +455,7 @@ fn last_place(steps: &[Step]) -> Option<MaterialPoint> {
     Some(MaterialPoint { face, barycentric })
 }
 
-fn stopped(stop: Stop, leg: usize) -> CreaseError {
+pub(crate) fn stopped(stop: Stop, leg: usize) -> CreaseError {
     match stop {
         Stop::Border(face) => CreaseError::LeavesSurface { leg, face: face.0 },
         Stop::Seam(face) => CreaseError::AcrossSeam { leg, face: face.0 },
@@ -442,11 +492,4 @@ fn distinct<T: PartialEq>(points: &[T]) -> usize {
         Some(second) if points.iter().all(|p| p == first || p == second) => 2,
         Some(_) => 3,
     }
-}
-
-/// Whether two places are one.
-pub(crate) fn is_same(mesh: &TriMesh, a: &MaterialPoint, b: &MaterialPoint) -> bool {
-    faces_at(mesh, a).contains(&b.face)
-        && place_in(mesh, a, b.face)
-            .is_some_and(|weights| (0..3).all(|i| (weights[i] - b.barycentric[i]).abs() < 1e-9))
 }

@@ -214,3 +214,10 @@ pub(crate) fn place_in(mesh: &TriMesh, place: &MaterialPoint, face: FaceId) -> O
     let sum: f64 = weights.iter().sum();
     Some(weights.map(|weight| weight / sum))
 }
+
+/// Whether two places are one.
+pub(crate) fn is_same(mesh: &TriMesh, a: &MaterialPoint, b: &MaterialPoint) -> bool {
+    faces_at(mesh, a).contains(&b.face)
+        && place_in(mesh, a, b.face)
+            .is_some_and(|weights| (0..3).all(|i| (weights[i] - b.barycentric[i]).abs() < 1e-9))
+}

@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use ruga_mesh::{FaceId, MaterialPoint, PerFace, TriMesh};
 
 use crate::LineTracer;
-use crate::layout_places::{SAME_UV, uv_at};
+use crate::layout_places::{SAME_UV, hangs_together, uv_at};
 use crate::walk::{End, Straight};
 
 /// Straight in the texture layout, as far as charts go.
@@ -50,13 +50,7 @@ impl Straight for UvWay<'_> {
     }
 
     fn goes_on(&self, face: FaceId, corner: usize, next: FaceId) -> bool {
-        let same = |corner: usize| {
-            let vertex = self.mesh.faces()[face][corner % 3];
-            let other = self.mesh.faces()[next].iter().position(|&v| v == vertex);
-            let here = self.uvs[face][corner % 3];
-            other.is_some_and(|other| (self.uvs[next][other] - here).amax() < SAME_UV)
-        };
-        same(corner) && same(corner + 1)
+        hangs_together(self.mesh, self.uvs, [face, next], corner)
     }
 }
 

@@ -46,7 +46,13 @@ fn a_thick_stroke_becomes_its_middle_line() {
     }
     // Thinning takes the rounded ends.
     assert!((length(line) - 0.67).abs() < 0.07, "{}", length(line));
-    assert!(line.strength.iter().all(|s| (s - 0.8).abs() < 1e-6));
+    // Half of 0.06 of the image, but for the rounded ends.
+    for half_width in &line.half_width[3..line.half_width.len() - 3] {
+        assert!(
+            (half_width - 0.03 * SIZE as f64).abs() < 0.8,
+            "{half_width}"
+        );
+    }
 }
 
 #[test]
@@ -76,22 +82,6 @@ fn a_ring_is_closed_and_a_crossing_has_four_arms() {
     assert_eq!(cross.len(), 4, "{cross:?}");
     let total: f64 = cross.iter().map(length).sum();
     assert!((total - 1.6).abs() < 0.15, "{total}");
-}
-
-#[test]
-fn a_thin_stroke_is_strong_at_its_corners_too() {
-    let texel = |p: Vector2<f64>| (p * SIZE as f64).map(|c| c as usize);
-    for at in 8..20 {
-        let lines = drawn(|p| {
-            let t = texel(p);
-            let upright = t.x == at && (at..=40).contains(&t.y);
-            let level = t.y == 40 && (at..=at + 30).contains(&t.x);
-            if upright || level { 0.9 } else { 0.0 }
-        });
-        assert_eq!(lines.len(), 1, "{lines:?}");
-        let strength = &lines[0].strength;
-        assert!(strength.iter().all(|s| (s - 0.9).abs() < 1e-6), "{lines:?}");
-    }
 }
 
 #[test]

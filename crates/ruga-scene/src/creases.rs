@@ -72,8 +72,8 @@ pub(crate) fn add_creases(
         warnings.extend(on.anchor_warning(crease));
         let wavelength = on.wavelength(&waves, points);
         let sizes = [wavelength, wavelength / points];
-        let (lines, warning) = on.lines((number, crease), sizes)?;
-        warnings.extend(warning);
+        let (lines, left_out) = on.lines((number, crease), sizes)?;
+        warnings.extend(left_out);
         warnings.extend(fade_warning(crease, &spec.law, &lines));
         let joined = on.joined_ends(&lines, wavelength / points);
         let names = on.names((number, crease), lines.len(), layers)?;

@@ -55,6 +55,7 @@ mod model;
 mod network;
 mod network_creases;
 mod painted_files;
+mod painted_lines;
 mod placement;
 mod plan;
 mod posed_frames;

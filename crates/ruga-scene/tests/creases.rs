@@ -70,6 +70,34 @@ fn scene_creases_of_an_image_are_its_strokes() {
     assert_eq!(site.lines(&line).len(), 3);
 }
 
+/// The islands lie at U below 0.45 and from 0.55 on: 230 and 282 texels of 512.
+#[test]
+fn scene_creases_of_an_image_cross_seams() {
+    let site = Site::new();
+    let line = with_line("image = \"lines.png\"");
+    let given = with_line("uv = [[0.2, 0.5], [0.45, 0.5], [0.55, 0.5], [0.8, 0.5]]");
+    let given = &site.lines(&given)[0];
+    for bleed in [0, 2, 8, 26] {
+        let islands = |x: u32| x < 230 + bleed || x >= 282 - bleed;
+        site.paint("lines.png", 512, |x, y| {
+            (102..410).contains(&x) && islands(x) && (253..259).contains(&y)
+        });
+        let found = site.lines(&line);
+        let names: Vec<_> = found.iter().map(|spec| spec.name.as_str()).collect();
+        assert_eq!(names, ["line"], "{bleed}");
+        // The ends are round.
+        assert_length(&found[0], 1e3 * given.line.length() - 1.3);
+        assert_eq!(found[0].law.fade, given.law.fade);
+    }
+    // On one side only it ends there, and fades.
+    site.paint("lines.png", 512, |x, y| {
+        (102..232).contains(&x) && (253..259).contains(&y)
+    });
+    let found = site.lines(&line);
+    assert_length(&found[0], 27.2);
+    assert_eq!(found[0].law.fade, given.law.fade);
+}
+
 #[test]
 fn scene_creases_of_udim_images_lie_in_their_tiles() {
     let site = Site::with_gap(0.65);
@@ -160,6 +188,7 @@ uv = [[0.1, 0.5], [nan, 0.5]] => creases[0].uv[1]` | [NaN, 0.5] | finite
 uv = [[0.1, 0.5], [0.1, 0.5]] => creases[0].uv` | no length
 uv = [[0.1, 0.5], [0.3, 1.5]] => creases[0].uv[1]` | UV (0.3, 1.5) | no triangle | upper left
 uv = [[0.1, 0.3], [0.3, 0.5], [0.7, 0.5]] => creases[0].uv[1]` | crosses a UV seam | same place in the other
+uv = [[0.1, 0.5], [0.45, 0.5], [0.55, 0.56], [0.8, 0.5]] => creases[0].uv[1]` | points 1 and 2 of the line | 6.67 mm from each other | same place of the seam
 uv = [[0.1, 0.5], [0.103, 0.5]] => creases[0].uv` | crease `line` is 0.33 mm long | two edges | lengthen it
 uv = [[0.1, 0.05], [0.4, 0.05]] => creases[0].uv` | along the border | triangle 0,
 edges = [10] => creases[0].edges` | found 1 vertex | at least 2
@@ -370,8 +399,35 @@ fn scene_creases_of_images_without_lines_are_refused() {
         state >> 30 == 0
     });
     refuses("lines.png | the image shows  | lines, more than  | it is noise");
-    paint(128, |x, y| (20..120).contains(&x) && y == 30);
-    refuses("lines.png | near UV (0.4 | 0.238 | outside the islands | paint it inside");
+    paint(128, |x, y| (20..50).contains(&x) && y == 3);
+    refuses(
+        "lines.png | near UV (0. | 0.027) a stroke lies outside the islands | paint inside them",
+    );
+    paint(128, |x, y| (20..50).contains(&x) && (y == 3 || y == 125));
+    refuses(
+        "lines.png | all 2 strokes, near UV (0. | 0.027), (0. | 0.980), lie outside the islands",
+    );
+    paint(128, |x, y| {
+        (20..50).contains(&x) && (y == 3 || y == 125 || y == 60)
+    });
+    site.warns(
+        &line,
+        "crease `line`: 2 of 3 strokes | lines.png | near UV (0. | 0.980), lie outside | are left out",
+    );
+    paint(128, |x, y| (10..50).contains(&x) && (20..100).contains(&y));
+    let words =
+        "crease `line`: near UV (0. | lines.png is | texels or 3 | mm wide | an area and no line";
+    site.warns(&line, words);
+    // Dots and broad strokes are none.
+    paint(128, |x, y| (10..45).contains(&x) && (40..47).contains(&y));
+    site.lines(&line);
+    paint(128, |x, y| x == 30 && y < 60);
+    site.lines(&line);
+    paint(512, |x, y| (150..275).contains(&x) && y == 300);
+    site.warns(
+        &line,
+        "crease `line`: 1 of 1 strokes | near UV (0.4 | lies in part outside the islands",
+    );
     paint(2048, |x, y| (200..206).contains(&x) && y == 300);
     refuses("crease `line` is 0. | two edges of the mesh");
     paint(2048, |x, y| match y {
