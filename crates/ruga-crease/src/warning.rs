@@ -43,6 +43,9 @@ pub enum CreaseWarning {
     },
 }
 
+/// Distance (m) up to which a line lies on itself: a hundredth of a millimetre is less than any mesh has.
+const ON_ITSELF: f64 = 1e-5;
+
 impl std::fmt::Display for CreaseWarning {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.told(&|line| format!("line {line}")))
@@ -59,6 +62,15 @@ impl CreaseWarning {
                 name(line),
                 mm(a),
                 mm(b)
+            ),
+            Self::TooClose {
+                lines: [a, b],
+                at,
+                distance,
+            } if a == b && distance < ON_ITSELF => format!(
+                "{} lies on itself, {:.2} mm from its start, and folds once there; lead it along each place once",
+                name(a),
+                mm(at)
             ),
             Self::TooClose {
                 lines: [a, b],

@@ -304,6 +304,9 @@ fn odd_lines_are_told_of() {
         warnings(&[hairpin])[..],
         [CreaseWarning::TooClose { lines: [0, 0], .. }]
     ));
+    let back = uv(&[[0.1, 0.4], [0.8, 0.4], [0.1, 0.4]]);
+    let told = warnings(&[back])[0].to_string();
+    assert!(told.contains("lies on itself"), "{told}");
 }
 
 /// The arms of a figure eight, of which thinning makes two loops that begin and end in its middle.

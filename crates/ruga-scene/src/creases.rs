@@ -240,6 +240,14 @@ impl CreasedMesh<'_> {
         let of_preset = |value: fn(&CreasePreset) -> f64| preset.map(value);
         let width = crease.width.or(of_preset(|preset| preset.width));
         let width = width.unwrap_or(WIDTH * layer.material.thickness);
+        let widest = mesh_size::width(self.mesh);
+        if let Some(own) = crease.width.filter(|width| *width > widest) {
+            let reason = format!(
+                "found {own:?} m; accepted: up to {:.2} mm, the size of the mesh",
+                1e3 * widest
+            );
+            return Err(self.fault(format!("creases[{number}].width"), reason, None));
+        }
         let stiffness = crease.stiffness.or(of_preset(|preset| preset.stiffness));
         let angle = crease.angle.or(of_preset(|preset| preset.angle));
         let own = crease.anchor.map(|anchor| CreaseAnchor {

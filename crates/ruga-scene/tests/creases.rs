@@ -247,8 +247,8 @@ fn scene_creases_over_a_triangle_without_area_are_refused() {
 
 const WARNED: &str = "
 uv = [[0.1, 0.3], [0.4, 0.3], [0.4, 0.5], [0.2, 0.5], [0.2, 0.15]] => `line` crosses itself | mm from its start
-uv = [[0.1, 0.3], [0.35, 0.3], [0.1, 0.3]] => crease `line` comes within 0.00 mm of itself | 1.43 mm from its start
-uv = [[0.1, 0.5], [0.35, 0.5]]; width = 0.7; fade = [0, 0] => `line` | 700.00 mm wide | `map` | `width`
+uv = [[0.1, 0.3], [0.35, 0.3], [0.1, 0.3]] => crease `line` lies on itself | mm from its start | each place once
+uv = [[0.1, 0.5], [0.35, 0.5]]; width = 0.07; fade = [0, 0] => `line` | 70.00 mm wide | `map` | `width`
 uv = [[0.1, 0.5], [0.35, 0.5]]; fade = [1, 1] => `line` | 27.78 mm | 1000.00 mm | shorten `fade`
 ";
 
@@ -271,6 +271,7 @@ const PROPERTIES: &str = r#"
 width = -1e-3 => creases[0].width | found -0.001; accepted: a number above 0
 width = 0 => creases[0].width | found 0
 width = nan => creases[0].width | found NaN
+width = 1e300 => creases[0].width | found 1e300 m; accepted: up to 100.00 mm, the size of the mesh
 stiffness = 0.0 => creases[0].stiffness | found 0; accepted: a share from 0.000001 to 1
 stiffness = 1.5 => creases[0].stiffness | found 1.5; accepted: a share from 0.000001 to 1
 stiffness = -1 => creases[0].stiffness | found -1; accepted: a share
