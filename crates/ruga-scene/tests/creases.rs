@@ -283,7 +283,8 @@ fade = 1e-3 => creases[0].fade | found 0.001; accepted: a list of 2 numbers
 anchor = { depth = 1.0 } => creases[0].anchor.depth | found 1 m | 1000.00 mm; accepted: less than 5.00 mm | layer `skin`
 anchor = { depth = -1e-3 } => creases[0].anchor.depth | found -0.001
 slit = 8e-3 => creases[0].slit | found one; accepted: no slit without [interior]
-anchor = { depth = 1e-3, stiffness = 0 } => creases[0].anchor.stiffness | found 0; accepted: a number above 0
+anchor = { depth = 1e-3, stiffness = 0 } => creases[0].anchor.stiffness | found 0; accepted: a number above 0, at most 100
+anchor = { depth = 1e-3, stiffness = 200.0 } => creases[0].anchor.stiffness | found 200; accepted: a number above 0, at most 100
 anchor = { depth = 1e-3, stiffness = -1e300 } => creases[0].anchor.stiffness | found -1e300; accepted: a number above 0
 anchor = { depht = 1e-3 } => creases[0].anchor | did you mean `depth`
 drive = "weights"; weights = { pres = 1.0 } => creases[0].weights.pres | no blend shape `pres` | did you mean `press`

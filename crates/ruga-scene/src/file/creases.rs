@@ -96,7 +96,8 @@ pub struct Anchor {
     /// Depth below the skin around the line at full strength, m; of a mountain fold the height. With 0 the line is
     /// held level with the skin around it.
     pub depth: f64,
-    /// Stiffness in units of what carries the layer, above 0; with 20 a line at rest sinks to 0.91 of the depth.
+    /// Stiffness in units of what carries the layer, above 0, at most 100; with 20 a line at rest sinks to 0.91 of the
+    /// depth, with 100 to 0.98.
     #[serde(default = "anchor_stiffness")]
     pub stiffness: f64,
 }

@@ -1,6 +1,7 @@
 //! What `[[creases]]` must mean, beyond being well-formed.
 
 use ruga_blend::nearest;
+use ruga_stepper::CreaseAnchor;
 
 use super::fault::{
     Checked, Fault, fault, names_given, not_negative, positive, shortly, unique_name,
@@ -181,7 +182,14 @@ impl Crease {
         }
         if let Some(Anchor { depth, stiffness }) = self.anchor {
             not_negative(&format!("{key}.anchor.depth"), depth)?;
-            positive(&format!("{key}.anchor.stiffness"), stiffness)?;
+            if !(stiffness > 0.0 && stiffness <= CreaseAnchor::MOST_STIFFNESS) {
+                let accepted = "a number above 0, at most 100";
+                return fault(
+                    &format!("{key}.anchor.stiffness"),
+                    shortly(stiffness),
+                    accepted,
+                );
+            }
         }
         if let Some(depth) = self.slit {
             positive(&format!("{key}.slit"), depth)?;
