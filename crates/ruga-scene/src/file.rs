@@ -36,6 +36,7 @@ pub use creases::{Anchor, Corners, Crease, Drive, Fold};
 pub use growths::Growth;
 pub use interior::{Cylinder, Handle, Interior, Motion, Movers, Obstacle, Plane, Sphere};
 pub use memory::Memory;
+pub(crate) use names::{file_name_fault, same_file};
 pub use names::{is_usable_file_name, usable_file_name};
 pub use pack::{Pack, PoseNames};
 pub use reference::{Key, Table, reference};

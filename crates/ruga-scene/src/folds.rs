@@ -27,6 +27,9 @@ const SHORTEST: f64 = 2.0;
 /// Samples of a crease per wavelength.
 const SAMPLES: f64 = 8.0;
 
+/// Distance of the places by which a crease of the scene is found again, in wavelengths.
+const PLACES: f64 = 0.25;
+
 /// Angle from flank to flank of the flattest valleys that are kept of a pose (rad): `wrinkle_yield` can ask for no
 /// less.
 const FLATTEST: f64 = 7.5 * std::f64::consts::PI / 180.0;
@@ -195,6 +198,8 @@ impl Scene {
         poses.sort_by(|a, b| a.pose.cmp(&b.pose));
         let old = self.lines_of_wrinkles();
         let mut creases = Vec::new();
+        let drawn = self.layers.iter().flat_map(|layer| &layer.creases);
+        let mut taken = drawn.map(|crease| crease.name.to_lowercase()).collect();
         for layer in self
             .layers
             .iter()
@@ -205,7 +210,7 @@ impl Scene {
             let folds: Vec<&LayerFolds> = folds.collect();
             let layer = (layer, waves(layer).wavelength);
             creases.extend(self.kept_of_creases(layer, &folds, &old));
-            creases.extend(self.new_creases(layer, &folds));
+            creases.extend(self.new_creases(layer, &folds, &mut taken));
         }
         let names = poses.iter().map(|pose| pose.pose.clone());
         CreaseNetwork::new(&self.mesh.mesh.name, names.collect(), creases)
@@ -263,6 +268,11 @@ impl Scene {
                 length_m: length,
                 points_m: old.map_or(Vec::new(), |old| old.points_m.clone()),
                 closed: old.is_some_and(|old| old.closed),
+                // A line of wrinkles is where its points are.
+                places_m: match old {
+                    None => self.places(crease, PLACES * wavelength),
+                    Some(_) => Vec::new(),
+                },
                 along: KeptCrease::samples(&memory),
             })
         });
@@ -281,11 +291,12 @@ impl Scene {
             .collect()
     }
 
-    /// The lines that wrinkles of a layer leave.
+    /// The lines that wrinkles of a layer leave, by names that are not `taken`, in small letters, and are then.
     fn new_creases(
         &self,
         (layer, wavelength): (&LayerSpec, f64),
         folds: &[&LayerFolds],
+        taken: &mut BTreeSet<String>,
     ) -> Vec<KeptCrease> {
         let memory = self.memory();
         let law = YieldLaw {
@@ -295,7 +306,8 @@ impl Scene {
         let there = layer
             .creases
             .iter()
-            .flat_map(|crease| self.spaced(crease, APART * wavelength));
+            .flat_map(|crease| self.places(crease, 0.5 * APART * wavelength))
+            .map(Vector3::from);
         let mut lines = NewLines::new(APART * wavelength, SHORTEST * wavelength, law.limit, there);
         let found = folds.iter().flat_map(|folds| &folds.valleys);
         let found: Vec<FoldedLine> = found
@@ -309,10 +321,9 @@ impl Scene {
                 is_closed: valley.closed,
             })
             .collect();
-        let taken = self.layers.iter().flat_map(|layer| &layer.creases);
-        let taken: BTreeSet<&str> = taken.map(|crease| crease.name.as_str()).collect();
-        let names = (1_u64..).map(|number| format!("{}-line-{number}", layer.name));
-        let names = names.filter(|name| !taken.contains(name.as_str()));
+        let stem = shortened(&layer.name);
+        let names = (1_u64..).map(|number| format!("{stem}-line-{number}"));
+        let names = names.filter(|name| taken.insert(name.to_lowercase()));
         let kept = names.zip(lines.choose(&found)).map(|(name, line)| {
             let shares = line.shares();
             let samples = shares
@@ -329,24 +340,36 @@ impl Scene {
                 length_m: line.length(),
                 points_m: line.points.iter().map(|point| (*point).into()).collect(),
                 closed: line.is_closed,
+                places_m: Vec::new(),
                 along: KeptCrease::samples(&CreaseMemory::new(samples)),
             }
         });
         kept.collect()
     }
 
-    /// Places of a crease at rest, at most `spacing` (m) apart.
-    fn spaced(&self, crease: &CreaseSpec, spacing: f64) -> Vec<Vector3<f64>> {
+    /// Places of a crease at rest, evenly from its start to its end and at most `spacing` (m) apart; at least both ends
+    /// and the middle.
+    fn places(&self, crease: &CreaseSpec, spacing: f64) -> Vec<[f64; 3]> {
         let (mesh, rest) = (self.driver.topology(), self.driver.rest());
         let length = crease.line.length();
-        let steps = (2.0 * length / spacing).ceil().max(1.0) as u32;
+        let steps = (length / spacing).ceil().max(2.0) as u32;
         let places = (0..=steps).filter_map(|step| {
             crease
                 .line
                 .place(length * f64::from(step) / f64::from(steps))
         });
-        places.map(|place| place.interpolate(mesh, rest)).collect()
+        places
+            .map(|place| place.interpolate(mesh, rest).into())
+            .collect()
     }
+}
+
+/// The beginning of a layer's name that leaves room for a number in the name of a line.
+fn shortened(name: &str) -> &str {
+    const LONGEST: usize = 80;
+    let ends = name.char_indices().map(|(at, c)| at + c.len_utf8());
+    let end = ends.take_while(|end| *end <= LONGEST).last();
+    &name[..end.unwrap_or(0)]
 }
 
 /// How a layer wrinkles by its own numbers.

@@ -48,6 +48,7 @@ mod fire;
 mod folds;
 mod growth_presets;
 mod growths;
+mod kept_places;
 mod mask_image;
 pub mod mesh_size;
 mod mirror;

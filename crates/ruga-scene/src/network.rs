@@ -1,11 +1,13 @@
 //! Files of creases that poses have left in the skin.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use ruga_crease::{CreaseMemory, Kept, LARGEST_ANGLE};
 use ruga_io::{IoError, write_atomically};
 use serde::{Deserialize, Serialize};
+
+use crate::file::file_name_fault;
 
 /// Version of the format.
 const VERSION: u32 = 1;
@@ -40,6 +42,11 @@ pub struct KeptCrease {
     /// Whether the last of the points is joined to the first.
     #[serde(default)]
     pub closed: bool,
+    /// Places of a crease of the scene on the mesh at rest, m, as far from each other along the line, from its start to
+    /// its end; of a ring the last is the first again. Files of earlier versions have none, and lines with `points_m`
+    /// need none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub places_m: Vec<[f64; 3]>,
     /// What it keeps along the line.
     pub along: Vec<KeptSample>,
 }
@@ -108,10 +115,20 @@ impl KeptCrease {
                 format!("`along.{key}`: found {value}; accepted: {accepted}")
             })
         });
-        let points = self.points_m.iter().flatten();
+        let places = [("points_m", &self.points_m), ("places_m", &self.places_m)];
         let wrong = wrong.or_else(|| {
-            let wrong = points.clone().find(|c| !c.is_finite());
-            wrong.map(|c| format!("`points_m`: found {c}; accepted: finite numbers"))
+            places.iter().find_map(|(key, places)| {
+                let wrong = places.iter().flatten().find(|c| !c.is_finite());
+                wrong.map(|c| format!("`{key}`: found {c}; accepted: finite numbers"))
+            })
+        });
+        // Other names are found in the scene or not.
+        let new = Some(&self.name).filter(|_| !self.points_m.is_empty());
+        let wrong = wrong.or_else(|| {
+            let fault = new.and_then(|name| file_name_fault(name))?;
+            Some(format!(
+                "`name`: accepted: a name that can be part of a file name, but {fault}"
+            ))
         });
         let is_length = self.length_m > 0.0 && self.length_m.is_finite();
         let checks = [
@@ -129,6 +146,10 @@ impl KeptCrease {
             (
                 self.points_m.len() != 1,
                 "`points_m`: found 1 point; accepted: none, or at least 2".to_owned(),
+            ),
+            (
+                self.places_m.len() != 1,
+                "`places_m`: found 1 place; accepted: none, or at least 2".to_owned(),
             ),
         ];
         wrong.or_else(|| {
@@ -167,16 +188,22 @@ impl CreaseNetwork {
                 network.version
             ));
         }
-        let mut names = BTreeSet::new();
+        let mut names: BTreeMap<String, &str> = BTreeMap::new();
         for crease in &network.creases {
             if let Some(fault) = crease.fault() {
                 return Err(format!("crease `{}`: {fault}", crease.name));
             }
-            if !names.insert(&crease.name) {
-                return Err(format!(
-                    "crease `{}` is there twice; leave one out",
-                    crease.name
-                ));
+            match names.insert(crease.name.to_lowercase(), &crease.name) {
+                None => {}
+                Some(same) if same == crease.name => {
+                    return Err(format!("crease `{same}` is there twice; leave one out"));
+                }
+                Some(other) => {
+                    return Err(format!(
+                        "creases `{other}` and `{}`: accepted: names that differ in more than letter case",
+                        crease.name
+                    ));
+                }
             }
         }
         Ok(network)
