@@ -184,3 +184,46 @@ fn what_is_wrong_with_a_network_is_told() {
         }
     }
 }
+
+#[test]
+fn further_runs_add_no_end_of_angle_to_the_ends_of_a_crease() {
+    let folder = folder();
+    let strong = [POSES[1], ""];
+    let mut kept: Vec<Vec<f64>> = Vec::new();
+    for run in 1..=4 {
+        let network = match run {
+            1 => String::new(),
+            _ => format!("network = \"run{}/creases.json\"", run - 1),
+        };
+        folder.write(
+            "scene.toml",
+            scene(strong, &format!("[memory]\nweakening = 0.0\n{network}")),
+        );
+        let said = folder
+            .ruga(&format!("age scene.toml -o run{run} --quality draft"))
+            .exits(0);
+        let network = folder.json(&format!("run{run}/creases.json"));
+        let line = &network["creases"][0];
+        assert_eq!(line["name"], "line");
+        assert!(line["places_m"].as_array().unwrap().len() > 2);
+        let along = line["along"].as_array().unwrap().iter();
+        let angles: Vec<f64> = along.map(|at| at["angle_deg"].as_f64().unwrap()).collect();
+        let most = angles.iter().copied().fold(0.0, f64::max);
+        let row = said
+            .stdout
+            .lines()
+            .find(|row| row.starts_with("line "))
+            .unwrap();
+        assert!(row.contains(&format!("{most:.0} °")), "{row}: {most}");
+        kept.push(angles);
+    }
+    // Each run adds less. Where the line fades its folds cannot be met, and adding what is missing has no end.
+    let most = kept
+        .iter()
+        .map(|angles| angles.iter().copied().fold(0.0, f64::max));
+    let most: Vec<f64> = most.collect();
+    assert!(
+        most[3] < 1.3 * most[0] && most[3] - most[2] < 1.0,
+        "{most:?}: {kept:?}"
+    );
+}

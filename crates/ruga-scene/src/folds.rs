@@ -14,6 +14,7 @@ use ruga_stepper::{
 use serde::{Deserialize, Serialize};
 
 use crate::Scene;
+use crate::fading_memory::{full_strength, levelled};
 use crate::file::Memory;
 use crate::network::{CreaseNetwork, KeptCrease};
 
@@ -235,9 +236,13 @@ impl Scene {
         let kept = layer.creases.iter().filter_map(|crease| {
             let length = crease.line.length();
             let steps = (SAMPLES * length / wavelength).ceil().max(2.0) as u32;
-            let own = by_name.get(crease.name.as_str()).into_iter().flatten();
+            let own = by_name.get(crease.name.as_str());
+            let own = own.map_or(&[][..], |own| &own[..]);
+            let full = full_strength(&crease.law, &crease.line, own);
             let is_closed = crease.line.is_closed();
-            let held = own.map(|folds| kept_by(&law, folds, crease.sense, is_closed));
+            let held = own
+                .iter()
+                .map(|folds| kept_by(&law, folds, crease.sense, is_closed));
             let held: Vec<CreaseMemory> = held.collect();
             let samples = (0..=steps).map(|step| {
                 let share = f64::from(step) / f64::from(steps);
@@ -257,7 +262,7 @@ impl Scene {
                 };
                 (share, not_shut(kept))
             });
-            let memory = CreaseMemory::new(samples.collect());
+            let memory = levelled(samples.collect(), full);
             let old = old.get(&crease.name);
             if old.is_none() && !memory.is_folded() && memory.largest_softness() == 0.0 {
                 return None;
@@ -412,9 +417,13 @@ fn beyond_rest(fold: f64, rest: f64, sense: FoldSense) -> f64 {
     }
 }
 
-/// What is kept at a share of the line that was simulated.
+/// What is kept at a share of the line that was simulated: from the beginning of the first edge, of which the sample is
+/// the middle, to the end of the last.
 fn within(memory: &CreaseMemory, share: f64) -> Option<Kept> {
-    let (first, last) = (memory.samples().first()?.0, memory.samples().last()?.0);
+    let samples = memory.samples();
+    let half = |pair: &[(f64, Kept)]| 0.5 * (pair[1].0 - pair[0].0);
+    let first = samples.first()?.0 - samples.windows(2).next().map_or(0.0, half);
+    let last = samples.last()?.0 + samples.windows(2).last().map_or(0.0, half);
     (first..=last).contains(&share).then(|| memory.at(share))
 }
 

@@ -43,6 +43,7 @@ mod creases;
 mod details;
 mod engine_names;
 mod error;
+mod fading_memory;
 pub mod file;
 mod fire;
 mod folds;

@@ -29,8 +29,8 @@ const LIKE_LENGTH: f64 = 0.05;
 /// Share by which the length of a line may differ from what it was.
 const SAME_LENGTH: f64 = 0.01;
 
-/// Distance, in wavelengths, up to which a crease lies where it was: valleys half of one apart are kept as two lines, so
-/// this near a line is closer to where it was than to where any other may have been. An image of strokes that is
+/// Distance, in wavelengths, up to which a crease lies where it was: valleys half of one apart are kept as two lines,
+/// so this near a line is closer to where it was than to where any other may have been. An image of strokes that is
 /// stored in another size moves them by less.
 const SAME_PLACE: f64 = 0.25;
 

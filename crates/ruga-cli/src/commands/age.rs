@@ -57,7 +57,7 @@ pub(crate) fn run(arguments: &RunArguments) -> Result<Outcome, CliError> {
     };
     let outcome = summary::conclude(&scene, &plan, arguments, poses, &results)?;
     match network {
-        Some(network) if !arguments.json => messages::result(&network_table(&network)),
+        Some(network) if !arguments.json => messages::result(&network_table(&scene, &network)),
         Some(_) => {}
         None => messages::note(
             "creases.json is not written, because poses are not finished; one that is there is of an earlier run. \
@@ -182,7 +182,7 @@ impl Folds<'_> {
 }
 
 /// Table of what the skin keeps.
-fn network_table(network: &CreaseNetwork) -> String {
+fn network_table(scene: &Scene, network: &CreaseNetwork) -> String {
     if network.creases.is_empty() {
         return "The poses leave no lines: no crease is folded by more than its `yield`, and no wrinkle turns the skin \
                 by more than `wrinkle_yield` along two wavelengths of its valley."
@@ -193,12 +193,11 @@ fn network_table(network: &CreaseNetwork) -> String {
         .iter()
         .filter(|crease| !crease.points_m.is_empty());
     let row = |crease: &KeptCrease| {
-        let memory = crease.memory();
         vec![
             crease.name.clone(),
             crease.layer.clone(),
             number(1e3 * crease.length_m, 1, "mm"),
-            number(memory.largest_angle().to_degrees(), 0, "°"),
+            number(scene.largest_kept(crease).to_degrees(), 0, "°"),
         ]
     };
     let rows: Vec<_> = network.creases.iter().map(row).collect();
