@@ -1,10 +1,11 @@
 //! What a line keeps where it fades towards its ends.
 
-use ruga_crease::{CreaseMemory, Kept, LineLaw, TracedLine};
+use ruga_crease::{CreaseMemory, FoldedLine, Kept, LineLaw, TracedLine};
 
 use crate::Scene;
 use crate::folds::CreaseFolds;
 use crate::network::KeptCrease;
+use crate::network_creases::FADE;
 
 /// Memory of a line by samples of it that keeps nowhere beside `full` more than at the nearest sample in there.
 ///
@@ -52,6 +53,17 @@ pub(crate) fn full_strength(law: &LineLaw, line: &TracedLine, folds: &[&CreaseFo
         true => [from, to],
         // All of it fades: what is strongest counts.
         false => [0.5 * (from + to); 2],
+    }
+}
+
+/// The same of a line that wrinkles have left in a layer of this wavelength (m).
+pub(crate) fn full_of_new(line: &FoldedLine, wavelength: f64) -> [f64; 2] {
+    match line.is_closed {
+        true => [0.0, 1.0],
+        false => {
+            let fade = (FADE * wavelength / line.length()).min(0.5);
+            [fade, 1.0 - fade]
+        }
     }
 }
 

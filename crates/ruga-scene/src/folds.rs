@@ -14,7 +14,7 @@ use ruga_stepper::{
 use serde::{Deserialize, Serialize};
 
 use crate::Scene;
-use crate::fading_memory::{full_strength, levelled};
+use crate::fading_memory::{full_of_new, full_strength, levelled};
 use crate::file::Memory;
 use crate::network::{CreaseNetwork, KeptCrease};
 
@@ -346,7 +346,7 @@ impl Scene {
                 points_m: line.points.iter().map(|point| (*point).into()).collect(),
                 closed: line.is_closed,
                 places_m: Vec::new(),
-                along: KeptCrease::samples(&CreaseMemory::new(samples)),
+                along: KeptCrease::samples(&levelled(samples, full_of_new(&line, wavelength))),
             }
         });
         kept.collect()

@@ -18,7 +18,7 @@ use crate::network::{CreaseNetwork, KeptCrease};
 pub(crate) const NETWORK: &str = "memory.network";
 
 /// Share of a wavelength over which a line that wrinkles have left fades towards its ends.
-const FADE: f64 = 0.5;
+pub(crate) const FADE: f64 = 0.5;
 
 /// Distance of the points of a new line from the mesh, in wavelengths, up to which they are of it.
 const REACH: f64 = 0.1;
