@@ -7,11 +7,16 @@ use crate::folds::CreaseFolds;
 use crate::network::KeptCrease;
 use crate::network_creases::FADE;
 
-/// Memory of a line by samples of it that keeps nowhere beside `full` more than at the nearest sample in there.
+/// Memory of a line by samples of it that keeps nowhere beside `full` more than at the nearest sample in there, or than
+/// it kept `before`.
 ///
 /// What a line keeps fades with everything else of it. Near an end skin is folded beyond what is left there, so that
 /// each pose would add to an angle of which it feels a small part only, without end.
-pub(crate) fn levelled(samples: Vec<(f64, Kept)>, [from, to]: [f64; 2]) -> CreaseMemory {
+pub(crate) fn levelled(
+    samples: Vec<(f64, Kept)>,
+    [from, to]: [f64; 2],
+    before: &CreaseMemory,
+) -> CreaseMemory {
     let memory = CreaseMemory::new(samples);
     let samples = memory.samples();
     // Where no sample lies in there, the next one counts.
@@ -22,14 +27,28 @@ pub(crate) fn levelled(samples: Vec<(f64, Kept)>, [from, to]: [f64; 2]) -> Creas
     let last = last.saturating_sub(1).max(first);
     let level = |(number, &(share, kept)): (usize, &(f64, Kept))| {
         let bound = samples[number.clamp(first, last)].1;
-        let most = bound.angle.abs();
+        let before = before.at(share);
+        let most = bound.angle.abs().max(before.angle.abs());
         let levelled = Kept {
             angle: kept.angle.clamp(-most, most),
-            softness: kept.softness.min(bound.softness),
+            softness: kept.softness.min(bound.softness.max(before.softness)),
         };
         (share, levelled)
     };
     CreaseMemory::new(samples.iter().enumerate().map(level).collect())
+}
+
+/// The same of a line that wrinkles have left in a layer of this wavelength (m).
+pub(crate) fn levelled_new(
+    samples: Vec<(f64, Kept)>,
+    line: &FoldedLine,
+    wavelength: f64,
+) -> CreaseMemory {
+    let fade = match line.is_closed {
+        true => 0.0,
+        false => (FADE * wavelength / line.length()).min(0.5),
+    };
+    levelled(samples, [fade, 1.0 - fade], &CreaseMemory::default())
 }
 
 /// Shares of a line between which the edges that it was simulated on, in poses that fold it like this, have no part in
@@ -53,17 +72,6 @@ pub(crate) fn full_strength(law: &LineLaw, line: &TracedLine, folds: &[&CreaseFo
         true => [from, to],
         // All of it fades: what is strongest counts.
         false => [0.5 * (from + to); 2],
-    }
-}
-
-/// The same of a line that wrinkles have left in a layer of this wavelength (m).
-pub(crate) fn full_of_new(line: &FoldedLine, wavelength: f64) -> [f64; 2] {
-    match line.is_closed {
-        true => [0.0, 1.0],
-        false => {
-            let fade = (FADE * wavelength / line.length()).min(0.5);
-            [fade, 1.0 - fade]
-        }
     }
 }
 
@@ -104,13 +112,18 @@ mod tests {
 
     #[test]
     fn no_more_is_kept_towards_an_end_than_beyond_its_fade() {
-        let levels = |full: [f64; 2]| {
+        let levels = |full: [f64; 2], before: f64| {
             let angles = [0.1, 0.9, -0.9, 0.5, 0.2, 0.8, 0.4, 0.3, 0.2, 0.6, 0.6];
             let samples = angles.iter().enumerate().map(|(i, &angle): (usize, &f64)| {
                 let softness = angle.abs();
                 (0.1 * i as f64, Kept { angle, softness })
             });
-            let memory = levelled(samples.collect(), full);
+            let before = [before; 2].map(|angle| {
+                let softness = angle;
+                (0.5, Kept { angle, softness })
+            });
+            let before = CreaseMemory::new(before.to_vec());
+            let memory = levelled(samples.collect(), full, &before);
             let kept = memory.samples().iter().map(|(_, kept)| {
                 assert_eq!(kept.softness, kept.angle.abs());
                 kept.angle
@@ -118,10 +131,13 @@ mod tests {
             kept.collect::<Vec<f64>>()
         };
         let levelled = [0.1, 0.5, -0.5, 0.5, 0.2, 0.8, 0.4, 0.3, 0.2, 0.2, 0.2];
-        assert_eq!(levels([0.25, 0.85]), levelled);
-        assert_eq!(levels([0.0, 1.0])[2], -0.9);
+        assert_eq!(levels([0.25, 0.85], 0.0), levelled);
+        assert_eq!(levels([0.0, 1.0], 0.0)[2], -0.9);
+        // What was kept before stays.
+        assert_eq!(levels([0.25, 0.85], 0.6)[..3], [0.1, 0.6, -0.6]);
+        assert_eq!(levels([0.25, 0.85], 0.6)[9..], [0.6; 2]);
         let one = [0.1, 0.3, -0.3, 0.3, 0.2, 0.3, 0.3, 0.3, 0.2, 0.3, 0.3];
-        assert_eq!(levels([0.65, 0.66]), one);
+        assert_eq!(levels([0.65, 0.66], 0.0), one);
     }
 
     #[test]

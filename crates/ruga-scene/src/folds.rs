@@ -14,7 +14,7 @@ use ruga_stepper::{
 use serde::{Deserialize, Serialize};
 
 use crate::Scene;
-use crate::fading_memory::{full_of_new, full_strength, levelled};
+use crate::fading_memory::{full_strength, levelled, levelled_new};
 use crate::file::Memory;
 use crate::network::{CreaseNetwork, KeptCrease};
 
@@ -262,7 +262,7 @@ impl Scene {
                 };
                 (share, not_shut(kept))
             });
-            let memory = levelled(samples.collect(), full);
+            let memory = levelled(samples.collect(), full, &crease.memory);
             let old = old.get(&crease.name);
             if old.is_none() && !memory.is_folded() && memory.largest_softness() == 0.0 {
                 return None;
@@ -346,7 +346,7 @@ impl Scene {
                 points_m: line.points.iter().map(|point| (*point).into()).collect(),
                 closed: line.is_closed,
                 places_m: Vec::new(),
-                along: KeptCrease::samples(&levelled(samples, full_of_new(&line, wavelength))),
+                along: KeptCrease::samples(&levelled_new(samples, &line, wavelength)),
             }
         });
         kept.collect()
