@@ -5,8 +5,8 @@ use nalgebra::Vector2;
 use crate::islands::{Islands, RimPlace};
 use crate::strokes::Stroke;
 
-/// Share of a stroke's half width from which on it counts as whole: towards the corner of a square end, or of one that a
-/// border cuts off aslant, the middle line lies in ever smaller discs. Half a texel less is rounding.
+/// Share of a stroke's half width from which on it counts as whole: towards the corner of a square end, or of one that
+/// a border cuts off aslant, the middle line lies in ever smaller discs. Half a texel less is rounding.
 const WHOLE: f64 = 0.85;
 const ROUNDING: f64 = 0.5;
 
@@ -157,8 +157,8 @@ impl ClippedStroke {
         self.pieces.extend(open);
     }
 
-    /// Puts the first and the last piece of a ring together, or gives those of an open stroke the places on borders where
-    /// it was found to end.
+    /// Puts the first and the last piece of a ring together, or gives those of an open stroke the places on borders
+    /// where it was found to end.
     fn close(&mut self, marks: &[Mark], (is_closed, rims): (bool, [Option<RimPlace>; 2])) {
         let [Some(start), Some(end)] = [marks.first(), marks.last()].map(|mark| mark.map(|m| m.uv))
         else {

@@ -70,8 +70,8 @@ pub struct RefusedStroke {
 impl LineTracer<'_> {
     /// Traces painted strokes.
     ///
-    /// What lies outside of all islands is left out. A stroke that was painted up to the border of an island ends on it;
-    /// two of them that come to one place of a seam, each on its side, are one line.
+    /// What lies outside of all islands is left out. A stroke that was painted up to the border of an island ends on
+    /// it; two of them that come to one place of a seam, each on its side, are one line.
     ///
     /// # Errors
     /// [`CreaseError::NoTextureCoordinates`].

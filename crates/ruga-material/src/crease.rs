@@ -86,10 +86,11 @@ pub fn anchor_pull(crease: &CreaseLoad) -> f64 {
 /// Depth over the bending length up to which the linear theory holds.
 const LINEAR: f64 = 0.3;
 
-/// Angle (rad) by which a crease is folded, positive in a valley: `4 α δ/l - a (d - δ)/l`, with `δ` from [`crease_depth`]
-/// and, at loads above [`crease_onset`], as it is at the onset.
+/// Angle (rad) by which a crease is folded, positive in a valley: `4 α δ/l - a (d - δ)/l`, with `δ` from
+/// [`crease_depth`] and, at loads above [`crease_onset`], as it is at the onset.
 ///
-/// Folds that alone would sink by more than 0.3 bending lengths count as doing that: there large deflections limit them.
+/// Folds that alone would sink by more than 0.3 bending lengths count as doing that: there large deflections limit
+/// them.
 pub fn crease_fold(crease: &CreaseLoad) -> f64 {
     let crease = below_onset(crease);
     let Some(decay) = decay(crease.load) else {

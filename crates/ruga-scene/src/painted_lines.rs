@@ -174,7 +174,8 @@ impl Painted {
     }
 }
 
-/// Warnings of strokes outside of the islands, and of those of which more lies there than paint that bleeds over borders.
+/// Warnings of strokes outside of the islands, and of those of which more lies there than paint that bleeds over
+/// borders.
 fn beside_islands(
     (crease, image): (&Crease, &Path),
     painted: &Painted,

@@ -21,8 +21,8 @@ pub struct LineAnchor {
     pub depths: [f64; 2],
 }
 
-/// Energy (J) of springs along an edge, of a stiffness `k_a l` (N/m) in all, whose ends lie `excess` (m) over where they
-/// are drawn to.
+/// Energy (J) of springs along an edge, of a stiffness `k_a l` (N/m) in all, whose ends lie `excess` (m) over where
+/// they are drawn to.
 pub fn line_spring_energy(stiffness: f64, [u, v]: [f64; 2]) -> f64 {
     stiffness / 6.0 * (u * u + u * v + v * v)
 }

@@ -33,7 +33,8 @@ pub(super) struct ToldPulls {
     told: DrawnDown,
     /// How far creases sink as they fold, and lift the skin beside them, which theory alone says.
     furrows: DrawnDown,
-    /// How far what is told is beyond what theory expects, by vertices: what one equilibrium has shown the next begins with.
+    /// How far what is told is beyond what theory expects, by vertices: what one equilibrium has shown the next begins
+    /// with.
     beyond: BTreeMap<usize, f64>,
     /// What the solve before has found to be off, and the share of it that was taken over.
     change: Option<(Vec<f64>, f64)>,
