@@ -27,6 +27,9 @@ const LAST_POINTS: f64 = 5.7;
 /// Least sine of the angle at which a stroke still runs into a border: 20 degrees.
 const LEAST_SINE: f64 = 0.34;
 
+/// Distance from a border at which a line is led along it (texels).
+const INSIDE: f64 = 0.5;
+
 /// A place on the middle line of a stroke.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mark {
@@ -113,12 +116,15 @@ impl ClippedStroke {
         let around = islands.around(&points);
         let texel = empty.texel;
         let mut open: Option<Piece> = None;
-        for (leg, pair) in marks.windows(2).enumerate() {
+        // What lies outside since the last piece.
+        let mut gap: Vec<Mark> = Vec::new();
+        for pair in marks.windows(2) {
             let [from, to] = [pair[0].uv, pair[1].uv];
             let length = (to - from).component_div(&texel).norm();
             if length == 0.0 {
                 continue;
             }
+            let is_first = self.length == 0.0;
             self.length += length;
             for part in around.shares([from, to]).windows(2) {
                 let at = |share: f64| Mark {
@@ -129,6 +135,7 @@ impl ClippedStroke {
                 let here = islands.at(at(0.5 * (part[0] + part[1])).uv);
                 if here.is_none() {
                     self.outside += length * (part[1] - part[0]);
+                    gap.extend([part[0], 0.5 * (part[0] + part[1]), part[1]].map(at));
                 }
                 if open.as_ref().map(|piece| piece.island) == here {
                     continue;
@@ -139,15 +146,23 @@ impl ClippedStroke {
                     piece.rims[1] = islands.nearest(piece.island, cut.uv, texel);
                     piece
                 }));
-                let is_start = leg == 0 && part[0] == 0.0;
-                open = here.map(|island| Piece {
-                    island,
-                    marks: vec![cut],
-                    rims: [
-                        islands.nearest(island, cut.uv, texel).filter(|_| !is_start),
-                        None,
-                    ],
-                    ..empty.clone()
+                let Some(island) = here else {
+                    continue;
+                };
+                let is_start = is_first && part[0] == 0.0;
+                let outside = std::mem::take(&mut gap);
+                let next = at(0.5 * (part[0] + part[1]));
+                let again = self.reopened((islands, island), &outside, next);
+                open = again.or_else(|| {
+                    Some(Piece {
+                        island,
+                        marks: vec![cut],
+                        rims: [
+                            islands.nearest(island, cut.uv, texel).filter(|_| !is_start),
+                            None,
+                        ],
+                        ..empty.clone()
+                    })
                 });
             }
             if let Some(piece) = &mut open {
@@ -155,6 +170,54 @@ impl ClippedStroke {
             }
         }
         self.pieces.extend(open);
+    }
+
+    /// The last piece again, where the stroke has only gone along the border of its island: led inside what lies less
+    /// than half its width `outside`, it is one line with the `next` mark and what follows it.
+    fn reopened(
+        &mut self,
+        (islands, island): (&Islands<'_>, u32),
+        outside: &[Mark],
+        next: Mark,
+    ) -> Option<Piece> {
+        let last = self.pieces.last()?;
+        if last.island != island || outside.is_empty() {
+            return None;
+        }
+        let texel = last.texel;
+        let mut led = Vec::new();
+        for mark in outside {
+            let border = islands.uv(islands.nearest(island, mark.uv, texel)?);
+            let way = (border - mark.uv).component_div(&texel);
+            if way.norm() > mark.half_width + SLACK {
+                return None;
+            }
+            // What lies on the border itself says nothing of which side is inside.
+            if let Some(inward) = way.try_normalize(1e-6) {
+                let uv = border + (inward * INSIDE).component_mul(&texel);
+                led.extend((islands.at(uv) == Some(island)).then_some(Mark { uv, ..*mark }));
+            }
+        }
+        // The border may still have a corner between two of them.
+        let before = last.marks.iter().rev().nth(1)?.uv;
+        let led_points = led.iter().map(|mark| mark.uv);
+        let way: Vec<_> = [before]
+            .into_iter()
+            .chain(led_points)
+            .chain([next.uv])
+            .collect();
+        let around = islands.around(&way);
+        if way
+            .windows(2)
+            .any(|leg| around.shares([leg[0], leg[1]]).len() > 2)
+        {
+            return None;
+        }
+        let mut piece = self.pieces.pop()?;
+        piece.marks.pop();
+        piece.marks.extend(led);
+        piece.rims[1] = None;
+        Some(piece)
     }
 
     /// Puts the first and the last piece of a ring together, or gives those of an open stroke the places on borders

@@ -41,6 +41,8 @@ pub struct TracedStrokes {
     pub outside: Vec<usize>,
     /// Strokes of which more is left out than what is painted over borders on purpose.
     pub shortened: Vec<usize>,
+    /// Strokes that run over a gap onto an island that does not meet them there.
+    pub astray: Vec<usize>,
     /// Strokes that are no line.
     pub refused: Vec<RefusedStroke>,
 }
@@ -83,7 +85,7 @@ impl LineTracer<'_> {
         let uvs = self.texture()?;
         let islands = Islands::new(self.mesh(), uvs, self.plane(uvs));
         let mut found = TracedStrokes::default();
-        let mut pieces = Vec::new();
+        let (mut pieces, mut bleeding) = (Vec::new(), Vec::new());
         for (number, stroke) in strokes.iter().enumerate() {
             let clipped =
                 ClippedStroke::new(&islands, (number, stroke), free_ends(strokes, number));
@@ -95,15 +97,25 @@ impl LineTracer<'_> {
                 found.shortened.push(number);
             }
             pieces.extend(clipped.pieces);
+            bleeding.push(most);
         }
         let joints = join_at_seams(&islands, &mut pieces);
-        for chain in chains(&pieces, &joints) {
+        let astray = astray(&pieces, &joints);
+        found.astray = astray.iter().map(|piece| pieces[*piece].stroke).collect();
+        found.astray.dedup();
+        let is_bled = |piece: &usize| pieces[*piece].texels() <= bleeding[pieces[*piece].stroke];
+        let left_out: Vec<usize> = astray.into_iter().filter(is_bled).collect();
+        for chain in chains(&pieces, &joints, &left_out) {
             match self.trace_chain((&islands, uvs), (&pieces, &joints, &chain), corners) {
                 Ok(Some(line)) => {
                     found.widths.push(width(&pieces, &chain, line.length()));
                     found.lines.push(line);
                 }
-                Ok(None) => {}
+                Ok(None) => {
+                    let stroke = pieces[chain.pieces[0].0].stroke;
+                    let own = pieces.iter().filter(|piece| piece.stroke == stroke);
+                    found.outside.extend((own.count() == 1).then_some(stroke));
+                }
                 Err(refused) => found.refused.push(refused),
             }
         }
@@ -231,6 +243,24 @@ fn free_ends(strokes: &[Stroke], number: usize) -> [bool; 2] {
     [is_free(0), is_free(1)]
 }
 
+/// Pieces of strokes on islands that do not meet them there: nothing joins them, and more of their stroke lies on
+/// another island.
+fn astray(pieces: &[Piece], joints: &[Joint]) -> Vec<usize> {
+    let is_joined = |number: usize| {
+        let mut ends = joints.iter().flat_map(|joint| joint.ends);
+        ends.any(|(piece, _)| piece == number)
+    };
+    let is_astray = |number: usize| {
+        let piece = &pieces[number];
+        let mut others = pieces
+            .iter()
+            .filter(|other| other.stroke == piece.stroke && other.island != piece.island);
+        !is_joined(number) && others.any(|other| other.texels() > piece.texels())
+    };
+    let all = 0..pieces.len();
+    all.filter(|number| is_astray(*number)).collect()
+}
+
 /// Pieces that go on into each other, each with whether it is run backwards.
 #[derive(Debug)]
 struct Chain {
@@ -238,8 +268,8 @@ struct Chain {
     is_closed: bool,
 }
 
-/// The chains of all pieces, in the order of the first piece of each, which runs forwards.
-fn chains(pieces: &[Piece], joints: &[Joint]) -> Vec<Chain> {
+/// The chains of all pieces that are not `left_out`, in the order of the first piece of each, which runs forwards.
+fn chains(pieces: &[Piece], joints: &[Joint], left_out: &[usize]) -> Vec<Chain> {
     let beyond = |piece: usize, side: usize| {
         let pairs = joints.iter().flat_map(|joint| {
             let [a, b] = joint.ends;
@@ -249,6 +279,7 @@ fn chains(pieces: &[Piece], joints: &[Joint]) -> Vec<Chain> {
         others.next().map(|(_, other)| other)
     };
     let mut is_used = vec![false; pieces.len()];
+    left_out.iter().for_each(|piece| is_used[*piece] = true);
     let mut chains = Vec::new();
     for first in 0..pieces.len() {
         if is_used[first] {

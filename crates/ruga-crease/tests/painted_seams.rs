@@ -323,3 +323,63 @@ fn strokes_outside_of_all_islands_are_told_of() {
     let found = lines(&sheet, &strokes(&values));
     assert_eq!(found.len(), 1);
 }
+
+/// An image of a stroke from a point to another (texels), `wave` texels to and fro of the straight line.
+fn image_of([a, b]: [Vector2<f64>; 2], half_width: f64, wave: f64) -> Vec<f32> {
+    let along = (b - a).normalize();
+    let value = |i: usize| {
+        let p = Vector2::new((i % SIZE) as f64 + 0.5, (i / SIZE) as f64 + 0.5) - a;
+        let way = along.dot(&p);
+        let aside = along.perp(&p) - wave * (way / 12.0).sin();
+        if (0.0..=(b - a).norm()).contains(&way) && aside.abs() < half_width {
+            1.0
+        } else {
+            0.0
+        }
+    };
+    (0..SIZE * SIZE).map(value).collect()
+}
+
+/// Paint that runs over the gap aslant comes out on skin that is not beside it.
+#[test]
+fn a_stroke_that_strays_onto_another_island_ends_on_its_own() {
+    let sheet = halves(0.0);
+    let uv = |x: f64, y: f64| Vector2::new(x, y) * SIZE as f64;
+    let values = image_of([uv(0.25, 0.3), uv(0.58, 0.5)], 3.0, 0.0);
+    let all = strokes(&values);
+    let found = traced(&sheet, &all);
+    assert_eq!(found.astray, [0]);
+    let [line] = &found.lines[..] else {
+        panic!("{} lines", found.lines.len())
+    };
+    let [mut from, mut to] = ends(&sheet, line);
+    if from.x > to.x {
+        std::mem::swap(&mut from, &mut to);
+    }
+    assert!(from.x < 0.3 && (to.x - 0.5).abs() < 1e-9, "{from} {to}");
+    // What reaches as far on either island is meant.
+    let values = image_of([uv(0.1, 0.3), uv(0.9, 0.6)], 3.0, 0.0);
+    let found = traced(&sheet, &strokes(&values));
+    assert_eq!((found.astray.len(), found.lines.len()), (1, 2));
+}
+
+/// A stroke along a border that is now on one side of it, now on the other, is one line.
+#[test]
+fn a_stroke_along_a_border_is_one_line() {
+    for jitter in [0.0, 0.3] {
+        let sheet = halves(jitter);
+        for (off, wave) in [(0.0, 1.5), (-1.0, 3.0), (1.0, 0.0)] {
+            let at = |x: f64| Vector2::new(x * SIZE as f64, 0.1 * SIZE as f64 + off);
+            let values = image_of([at(0.12), at(0.4)], 4.0, wave);
+            let found = traced(&sheet, &strokes(&values));
+            let lengths: Vec<_> = found
+                .lines
+                .iter()
+                .map(|line| line.length() / TEXEL)
+                .collect();
+            assert_eq!(lengths.len(), 1, "{jitter} {off} {wave}: {lengths:?}");
+            // What of it ends outside is left out, half a wave at most.
+            assert!((100.0..165.0).contains(&lengths[0]), "{lengths:?}");
+        }
+    }
+}

@@ -55,7 +55,7 @@ impl CreasedMesh<'_> {
         lines.retain(|line| !line.is_too_short(edge) || line.length() == longest);
         if lines.len() < all {
             warnings.push(format!(
-                "crease `{}`: {} of {all} strokes in {} left out, because they are shorter than two edges of \
+                "crease `{}`: {} of {all} lines of strokes in {} left out, because they are shorter than two edges of \
                  the mesh, which are {:.2} mm",
                 crease.name,
                 all - lines.len(),
@@ -213,7 +213,17 @@ fn beside_islands(
             "lies in part outside the islands of the texture layout, where nothing folds",
         ],
     );
-    outside.into_iter().chain(shortened).collect()
+    let astray = told(
+        &traced.astray,
+        [
+            "run over a gap of the texture layout onto an island that does not meet them there; what is short there \
+             is left out. Paint them on one island, or on both sides of a seam",
+            "runs over a gap of the texture layout onto an island that does not meet it there; what is short there \
+             is left out. Paint it on one island, or on both sides of a seam",
+        ],
+    );
+    let all = outside.into_iter().chain(shortened).chain(astray);
+    all.collect()
 }
 
 /// Warning of painted areas, whose middle line means little; of several about the widest.

@@ -438,7 +438,7 @@ fn scene_creases_of_images_without_lines_are_refused() {
     });
     site.warns(
         &line,
-        "crease `line`: 1 of 2 strokes | lines.png | shorter than two edges",
+        "crease `line`: 1 of 2 lines of strokes | lines.png | shorter than two edges",
     );
     paint(2048, |x, y| {
         (200..600).contains(&x) && (y == 300 || y == 400)

@@ -98,7 +98,7 @@ fn a_new_stroke_takes_no_other_ones_memory() {
     refuses(
         &site,
         &strokes,
-        "`creases[0]`, `line-1` | no crease lies where it was | the nearest, `line`",
+        "`creases[0]`, `line-1` | no crease lies where it was | the nearest of the scene, `line`",
     );
     age(&site, &strokes, |_, _| 0.8);
     paint(&site, &[400, 700]);
@@ -136,7 +136,7 @@ fn a_line_that_was_moved_is_refused() {
     // A quarter of a wavelength of 8.6 mm is 0.019 of the texture.
     assert_eq!(aged(&site, &line(0.21)).warnings, [""; 0]);
     let words = "`creases[0]`, `line` | no crease lies where it was | a quarter of a wavelength | along it was at \
-                 (22.2, | the nearest, `line`, is at (26.7, | `ruga age`";
+                 (22.2, | the nearest of the scene, `line`, is at (26.7, | `ruga age`";
     refuses(&site, &line(0.24), words);
     // As long, and a piece further on.
     refuses(

@@ -87,7 +87,7 @@ impl LayerRun<'_> {
             let most = anchored + self.report.wavelength_predicted;
             (crease.largest_depth.abs() > most).then(|| {
                 format!(
-                    "crease '{}' lies {:.0} mm from the surface, where nothing draws it; its map is wrong: give it a shallower or softer `anchor`, or the pose a smaller weight",
+                    "crease '{}' lies {:.2} mm from the surface, where nothing draws it; its map is wrong: give it a shallower or softer `anchor`, or the pose a smaller weight",
                     crease.name,
                     1e3 * crease.largest_depth.abs()
                 )
