@@ -317,8 +317,8 @@ fn moved(fit: &Fit, name: &str, wavelength: f64) -> String {
     };
     format!(
         "no crease lies where it was, at most {:.2} mm off, a quarter of a wavelength: {:.0} % along it was at {} mm, \
-         where the nearest of the scene, `{name}`, is at {}; draw the line where it was, remove strokes that now touch or \
-         divide it, or {ANEW}",
+         where the nearest of the scene, `{name}`, is at {}; draw the line where it was, remove strokes that now \
+         touch or divide it, or {ANEW}",
         1e3 * most,
         100.0 * share,
         place(was),
