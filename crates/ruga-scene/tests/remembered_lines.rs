@@ -7,6 +7,7 @@ mod fixture;
 use fixture::creased_skin::{LAYER, Site, says, with_line};
 use ruga_scene::{CreaseFolds, LayerFolds, PoseFolds, Scene};
 use ruga_stepper::CreaseSpec;
+use serde_json::Value;
 
 const MEMORY: &str = "[memory]\nnetwork = \"aged.json\"\n";
 
@@ -14,13 +15,8 @@ const MEMORY: &str = "[memory]\nnetwork = \"aged.json\"\n";
 const YIELD: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 /// Ages a scene of these creases by a pose that folds a line at a share of its length by `fold` (rad) beyond what it
-/// gives back, and writes what it keeps, changed by `edit`.
-fn age_with(
-    site: &Site,
-    creases: &str,
-    fold: impl Fn(&CreaseSpec, f64) -> f64,
-    edit: impl Fn(String) -> String,
-) {
+/// gives back, and writes what it keeps.
+fn age(site: &Site, creases: &str, fold: impl Fn(&CreaseSpec, f64) -> f64) {
     let scene = site.read(creases).unwrap();
     let folds = scene.layers[0].creases.iter().map(|crease| CreaseFolds {
         name: crease.name.clone(),
@@ -39,12 +35,15 @@ fn age_with(
     };
     let path = site.0.path("aged.json");
     scene.network(&[pose]).write(&path).unwrap();
-    let text = edit(std::fs::read_to_string(&path).unwrap());
-    std::fs::write(&path, text).unwrap();
 }
 
-fn age(site: &Site, creases: &str, fold: impl Fn(&CreaseSpec, f64) -> f64) {
-    age_with(site, creases, fold, |text| text);
+/// Changes the creases of the network's file.
+fn edit(site: &Site, change: impl FnOnce(&mut Vec<Value>)) {
+    let path = site.0.path("aged.json");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let mut network: Value = serde_json::from_str(&text).unwrap();
+    change(network["creases"].as_array_mut().unwrap());
+    std::fs::write(&path, network.to_string()).unwrap();
 }
 
 /// A scene of these creases that has aged.
@@ -196,17 +195,11 @@ fn a_ring_may_begin_elsewhere_and_run_the_other_way_round() {
 fn a_network_without_places_goes_by_names_and_is_told_of() {
     let site = Site::new();
     let line = with_line("uv = [[0.2, 0.2], [0.2, 0.8]]");
-    age_with(
-        &site,
-        &line,
-        |_, _| 0.5,
-        |text| {
-            let mut network: serde_json::Value = serde_json::from_str(&text).unwrap();
-            let crease = network["creases"][0].as_object_mut().unwrap();
-            crease.remove("places_m").unwrap();
-            network.to_string()
-        },
-    );
+    age(&site, &line, |_, _| 0.5);
+    edit(&site, |creases| {
+        let crease = creases[0].as_object_mut().unwrap();
+        crease.remove("places_m").unwrap();
+    });
     let scene = aged(&site, &line);
     assert!((kept(&scene)[0].1 - 0.5).abs() < 1e-9);
     assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
@@ -218,24 +211,17 @@ fn names_of_new_lines_are_as_those_of_creases() {
     let site = Site::new();
     let line = with_line("uv = [[0.2, 0.2], [0.2, 0.8]]");
     let with_new = |names: [&str; 2]| {
-        age_with(
-            &site,
-            &line,
-            |_, _| 0.5,
-            |text| {
-                let mut network: serde_json::Value = serde_json::from_str(&text).unwrap();
-                let creases = network["creases"].as_array_mut().unwrap();
-                for (name, x) in names.into_iter().zip([0.06, 0.08]) {
-                    let mut new = creases[0].clone();
-                    new["name"] = name.into();
-                    new["places_m"] = serde_json::json!([]);
-                    new["length_m"] = 0.04.into();
-                    new["points_m"] = serde_json::json!([[x, -0.03, 0.0], [x, -0.07, 0.0]]);
-                    creases.push(new);
-                }
-                network.to_string()
-            },
-        );
+        age(&site, &line, |_, _| 0.5);
+        edit(&site, |creases| {
+            for (name, x) in names.into_iter().zip([0.06, 0.08]) {
+                let mut new = creases[0].clone();
+                new["name"] = name.into();
+                new["places_m"] = serde_json::json!([]);
+                new["length_m"] = 0.04.into();
+                new["points_m"] = serde_json::json!([[x, -0.03, 0.0], [x, -0.07, 0.0]]);
+                creases.push(new);
+            }
+        });
     };
     with_new(["one", "two"]);
     assert_eq!(aged(&site, &line).layers[0].creases.len(), 3);

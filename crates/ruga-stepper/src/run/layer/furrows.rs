@@ -43,11 +43,9 @@ impl Layer {
             }
         }
         let way = |(v, force): (usize, f64)| (v, -force / self.carrying(v));
-        forces
-            .into_iter()
-            .map(way)
-            .filter(|(_, way)| way.is_finite())
-            .collect()
+        let ways = forces.into_iter().map(way);
+        // Where nothing carries the skin there is no mean to tell.
+        ways.filter(|(_, way)| way.is_finite()).collect()
     }
 
     /// The two edges of a face at a vertex: other end, weight in the cotangent Laplacian, and a sixth of the face's
