@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use ruga_mesh::{
-    FaceId, Id, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh,
+    FaceId, Id, LoopSurface, MaterialPoint, PerFace, PerVertex, SparseRows, SurfaceLookup, TriMesh,
     VertexId, limit_rows,
 };
 
@@ -24,6 +24,9 @@ const PLACES_AT_A_TIME: usize = 20_000;
 /// Parts of a region whose first place is looked for on all faces of the layer; for more a tree is built.
 const FEW_PARTS: usize = 8;
 
+/// Faces whose limit surface is prepared at a time, 1 kB each.
+const FACES_AT_A_TIME: usize = 16_384;
+
 /// Places that a thread looks for at least.
 const PLACES_AT_ONCE: usize = 64;
 
@@ -43,7 +46,8 @@ pub(crate) struct Interpolation {
 /// The limit surface at the places.
 #[derive(Clone, Debug)]
 enum Limit {
-    /// Made for each evaluation of this mesh, and forgotten: as much work as rows take once, and little memory.
+    /// Made for each evaluation of this mesh, part by part, and forgotten: as much work as rows take once, and little
+    /// memory.
     Mesh(Box<TriMesh>),
     Rows(SparseRows),
 }
@@ -105,13 +109,65 @@ impl Interpolation {
             through_vertices(&self.at_vertices, &values)
         });
         match &self.limit {
-            Limit::Mesh(mesh) => {
-                let surface = LoopSurface::new(mesh, &no_corners(mesh));
-                surface.positions(&self.places, controls.each_ref().map(Vec::as_slice))
-            }
+            Limit::Mesh(mesh) => limit_in_parts(
+                mesh,
+                &self.places,
+                controls.each_ref().map(Vec::as_slice),
+                FACES_AT_A_TIME,
+            ),
             Limit::Rows(rows) => controls.map(|control| rows.apply(&control)),
         }
     }
+}
+
+/// The limit surface of `mesh` at `places`, for several sets of control points, prepared for `most` faces at a time.
+///
+/// A face's surface depends on the faces around its vertices alone, so that a part with these is as good as the whole.
+fn limit_in_parts<const K: usize>(
+    mesh: &TriMesh,
+    places: &[MaterialPoint],
+    controls: [&[Vector3<f64>]; K],
+    most: usize,
+) -> [Vec<Vector3<f64>>; K] {
+    if mesh.face_count() <= most {
+        return LoopSurface::new(mesh, &no_corners(mesh)).positions(places, controls);
+    }
+    // From neighbour to neighbour, so that few faces lie around each part.
+    let faces = mesh.connected_parts(|_| true).concat();
+    let mut ranks = PerFace::filled(faces.len(), 0);
+    for (rank, &face) in (0..).zip(&faces) {
+        ranks[face] = rank;
+    }
+    let rank = |i: u32| ranks[places[i as usize].face];
+    let mut by_part: Vec<u32> = (0..places.len() as u32).collect();
+    by_part.sort_unstable_by_key(|&i| (rank(i) / most, i));
+    let mut limits = controls.map(|_| vec![Vector3::zeros(); places.len()]);
+    for own in by_part.chunk_by(|&i, &j| rank(i) / most == rank(j) / most) {
+        let part = rank(own[0]) / most;
+        let core = &faces[part * most..faces.len().min((part + 1) * most)];
+        let around = core.iter().flat_map(|&face| mesh.faces()[face]);
+        let around = around.flat_map(|v| mesh.vertex_faces(v));
+        let chosen: Vec<FaceId> = core.iter().chain(around).copied().collect();
+        // Its first faces are those of the core, in their order.
+        let part = mesh.submesh(&chosen);
+        let on_part = |&i: &u32| MaterialPoint {
+            face: FaceId::from_index(rank(i) % most),
+            ..places[i as usize]
+        };
+        let points: Vec<MaterialPoint> = own.iter().map(on_part).collect();
+        let of_part = controls.map(|control| {
+            let vertices = part.vertices.as_slice().iter();
+            vertices.map(|v| control[v.index()]).collect::<Vec<_>>()
+        });
+        let surface = LoopSurface::new(&part.mesh, &no_corners(&part.mesh));
+        let found = surface.positions(&points, of_part.each_ref().map(Vec::as_slice));
+        for (limits, found) in limits.iter_mut().zip(found) {
+            for (&i, limit) in own.iter().zip(found) {
+                limits[i as usize] = limit;
+            }
+        }
+    }
+    limits
 }
 
 /// Deviations from a smooth surface are smooth, so that no vertex is a corner.
@@ -237,13 +293,33 @@ mod tests {
         assert!(made().prepared(&mut || false).is_none());
     }
 
-    /// A grid of 24 by 24 squares of side 1, each cut in two.
-    fn grid() -> (TriMesh, Vec<Vector3<f64>>) {
-        let at = |i: u32, j: u32| 25 * j + i;
+    #[test]
+    fn parts_of_a_surface_give_the_same_as_all_of_it() {
+        let (mesh, positions) = grid(|i, j| (i + 2 * j) % 3 == 0);
+        let place = |i: u32| MaterialPoint {
+            face: FaceId(i * 7919 % 1152),
+            barycentric: [0.2, 0.5, 0.3],
+        };
+        let places: Vec<_> = (0..1500).map(place).collect();
+        let bowl: Vec<_> = positions.iter().map(|x| x * x.norm()).collect();
+        let sets = [bowl.as_slice(), &positions];
+        let whole = limit_in_parts(&mesh, &places, sets, 1152);
+        let parts = limit_in_parts(&mesh, &places, sets, 50);
+        for (whole, part) in whole.iter().flatten().zip(parts.iter().flatten()) {
+            // Sums run in another order.
+            assert!((whole - part).norm() < 1e-12, "{whole} {part}");
+        }
+    }
+
+    /// A grid of 24 by 24 squares of side 1, each cut in two, some of them the other way.
+    fn grid(is_other: impl Fn(u32, u32) -> bool) -> (TriMesh, Vec<Vector3<f64>>) {
         let mut faces = Vec::new();
         for (i, j) in (0..24).flat_map(|j| (0..24).map(move |i| (i, j))) {
-            faces.push([at(i, j), at(i + 1, j), at(i + 1, j + 1)]);
-            faces.push([at(i, j), at(i + 1, j + 1), at(i, j + 1)]);
+            let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(x, y)| 25 * (j + y) + i + x);
+            faces.extend(match is_other(i, j) {
+                true => [[a, b, d], [b, c, d]],
+                false => [[a, b, c], [a, c, d]],
+            });
         }
         let positions = (0..625).map(|v| Vector3::new(f64::from(v % 25), f64::from(v / 25), 0.0));
         (
@@ -255,7 +331,7 @@ mod tests {
     /// Of a wave of 12 edges, the limit through corrected points loses little, the plain one much.
     #[test]
     fn a_wave_keeps_its_amplitude() {
-        let (mesh, positions) = grid();
+        let (mesh, positions) = grid(|_, _| false);
         let corners = PerVertex::filled(625, false);
         let at_vertices = limit_rows(&mesh, &corners).position;
         let height = |p: &Vector3<f64>| Vector3::z() * (TAU * p.x / 12.0).sin();
