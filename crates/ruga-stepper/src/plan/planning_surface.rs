@@ -378,11 +378,13 @@ impl<'a> PlanningSurface<'a> {
             Stack::Nominal | Stack::Composite => vertices,
         };
         let curvature = quantile(&self.curvatures, 0.95);
+        let capped_area = area_where(&|f| pose_strains.compression[f] > CAP_START);
         let lowest = (*is_lowest && !active.is_empty()).then(|| Load {
             // The least of all does not count: one extreme triangle begins to wrinkle at next to no
             // load.
             onset: quantile(&pose_strains.onsets(path), 0.01),
             vertices: unknowns as f64,
+            capped: capped_area / area_where(&|_| true),
         });
         let work = factorisations(lowest, pose, path);
         let most_in_whole = match modelling.stack {
@@ -404,7 +406,7 @@ impl<'a> PlanningSurface<'a> {
                     .iter()
                     .map(|&face| pose_strains.effective[face])
                     .fold(f64::NEG_INFINITY, f64::max),
-                capped_area: area_where(&|f| pose_strains.compression[f] > CAP_START),
+                capped_area,
                 folded_area: pose_strains.folded_area(),
                 chi: wrinkling.curvature_measure(1.0 / curvature),
                 labyrinth_area: match spec.coupling {

@@ -1,6 +1,6 @@
 //! Where a pose can wrinkle a layer: the active region.
 
-use nalgebra::{Matrix2, Matrix3, Vector3};
+use nalgebra::{Matrix2, Matrix3, Vector3, Vector6};
 use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_mesh::{FaceId, Id, PerFace, TriMesh, edge_distances, face_normals, triangle_frame};
@@ -18,6 +18,8 @@ const COLLAPSED: f64 = 0.6;
 const DETOUR_FRACTION: f64 = 0.1;
 /// The smaller compression over the larger one from which on both count the same.
 const EQUALLY: f64 = 0.8;
+/// Faces that a thread averages strains on at least.
+const FACES_AT_ONCE: usize = 4096;
 /// Least distance by which the active region grows, m.
 const MIN_MARGIN: f64 = 4e-3;
 
@@ -361,10 +363,13 @@ fn smoothed_strains(
         .iter()
         .map(|face| triangle_frame(&face.map(|v| rest[v.index()])))
         .collect();
-    let mut tensors: Vec<Matrix3<f64>> = strains
+    // Most of the time goes into fetching tensors, so that they have no number twice.
+    let mut tensors: Vec<Vector6<f64>> = strains
         .iter()
-        .map(|(face, strain)| lift(&strain.cauchy_green, &frames[face]))
+        .map(|(face, strain)| packed(&lift(&strain.cauchy_green, &frames[face])))
         .collect();
+    // Tensors are weighted by area, or the finer side of a change of size would count for more.
+    let areas: Vec<f64> = normals.as_slice().iter().map(|n| 0.5 * n.norm()).collect();
     let neighbours: Vec<[Option<FaceId>; 3]> = mesh
         .faces()
         .ids()
@@ -377,7 +382,7 @@ fn smoothed_strains(
             })
         })
         .collect();
-    let area: f64 = normals.as_slice().iter().map(|n| 0.5 * n.norm()).sum();
+    let area: f64 = areas.iter().sum();
     // Triangles are taken as equilateral ones of the mean area. A pass moves three quarters of a
     // face's tensor to the centres beside it, `edge / sqrt(3)` away: an eighth of the edge's square
     // in each direction.
@@ -389,28 +394,35 @@ fn smoothed_strains(
     let mut before = tensors.clone();
     for _ in 0..passes {
         std::mem::swap(&mut before, &mut tensors);
-        for (i, tensor) in tensors.iter_mut().enumerate() {
-            // Tensors are weighted by area, or the finer side of a change of size would count for
-            // more.
-            let here = normals.as_slice()[i].norm();
-            let (mut sum, mut weight) = (before[i] * here, here);
-            for &next in neighbours[i].iter().flatten() {
-                let area = normals[next].norm();
-                sum += before[next.index()] * area;
-                weight += area;
+        let tensors = tensors.par_iter_mut().with_min_len(FACES_AT_ONCE);
+        tensors.enumerate().for_each(|(i, tensor)| {
+            let (mut sum, mut weight) = (before[i] * areas[i], areas[i]);
+            for next in neighbours[i].iter().flatten().map(|next| next.index()) {
+                sum += before[next] * areas[next];
+                weight += areas[next];
             }
             *tensor = sum / weight;
-        }
+        });
     }
     frames
         .iter()
         .map(|(face, [u, v])| {
-            let t = &tensors[face.index()];
+            let t = unpacked(&tensors[face.index()]);
             let shear = u.dot(&(t * v));
             let flat = Matrix2::new(u.dot(&(t * u)), shear, shear, v.dot(&(t * v)));
             FaceStrain::from_cauchy_green(flat)
         })
         .collect()
+}
+
+/// The six numbers of a symmetric matrix.
+fn packed(t: &Matrix3<f64>) -> Vector6<f64> {
+    Vector6::new(t.m11, t.m22, t.m33, t.m12, t.m13, t.m23)
+}
+
+/// The symmetric matrix of six numbers.
+fn unpacked(t: &Vector6<f64>) -> Matrix3<f64> {
+    Matrix3::new(t[0], t[3], t[4], t[3], t[1], t[5], t[4], t[5], t[2])
 }
 
 /// The tensor in space, with a unit normal part so that tilting a face does not read as strain.

@@ -13,7 +13,7 @@ use crate::skin::cover::Covers;
 use crate::support::Support;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::{
-    LowerLayer, SupportOf, SupportSurface, as_shown, support_surface,
+    LowerLayer, SupportOf, SupportSurface, as_shown, posed_below, support_surface,
 };
 use crate::{LayerSurface, Observer, Phase, StepperError};
 
@@ -64,13 +64,9 @@ impl<'a> StackRun<'a> {
             let skin = upper.layer.skin();
             // Maps show a layer on those below as maps show them, which may be flatter than they
             // are.
-            let surface = support_surface(
-                (&self.plan.driver, support),
-                skin,
-                attachment,
-                &as_shown(&lower),
-            );
-            shown.push(upper.layer.shown_positions(&surface.posed));
+            let on = (self.plan.driver.as_ref(), support);
+            let surface = posed_below(on, skin, attachment, &as_shown(&lower));
+            shown.push(upper.layer.shown_positions(&surface));
             self.result.layers[index] = upper.report.clone();
             solved.push((upper, ending));
         }
@@ -167,10 +163,10 @@ impl<'a> StackRun<'a> {
         let on = (driver.as_ref(), support);
         // First, because it takes most memory while it is found.
         let on_region = layer.on_region();
-        let surface = support_surface(on, region, attachment, lower).posed;
+        let surface = posed_below(on, region, attachment, lower);
         // Maps show driver or body as they are.
-        let shown = (!lower.is_empty())
-            .then(|| support_surface(on, region, attachment, &as_shown(lower)).posed);
+        let shown =
+            (!lower.is_empty()).then(|| posed_below(on, region, attachment, &as_shown(lower)));
         let below = (&surface, shown.as_ref().unwrap_or(&surface));
         let mut surfaces = layer.snapshots(on, on_region, below, attachment.offset);
         if observer.wants_face_states() {

@@ -89,11 +89,59 @@ pub(crate) struct TangentialSprings {
 /// The surface below the vertices of `skin`, whose rest positions include the attachment's offset: what carries
 /// all layers, and on it the `lower` ones, bottom first.
 pub(crate) fn support_surface(
-    (driver, support): (&Driver, &dyn Support),
+    on: (&Driver, &dyn Support),
     skin: &SkinMesh,
     attachment: Attachment,
     lower: &[LowerLayer<'_>],
 ) -> SupportSurface {
+    let (middle, distance) = surface_and_distance(on, skin, attachment, lower);
+    let positions = lifted(&middle, &distance, 1.0);
+    let transfer = (attachment.offset > 0.0 && attachment.bending_transfer < 1.0).then(|| {
+        // Where the layer rests, between the surface below and its own place.
+        let rest: Vec<Vector3<f64>> = skin
+            .rest
+            .positions
+            .iter()
+            .zip(&skin.rest.normals)
+            .zip(&distance)
+            .map(|((x, n), d)| x - n * ((1.0 - attachment.bending_transfer) * d))
+            .collect();
+        let part = lifted(&middle, &distance, attachment.bending_transfer);
+        let part = face_strains(&skin.mesh, &rest, &part);
+        let whole = face_strains(&skin.mesh, &skin.rest.positions, &positions);
+        untransferred(&whole, &part)
+    });
+    SupportSurface {
+        posed: PosedSurface {
+            positions,
+            ..middle
+        },
+        transfer,
+        growth: None,
+    }
+}
+
+/// The places and normals of [`support_surface`] alone.
+pub(crate) fn posed_below(
+    on: (&Driver, &dyn Support),
+    skin: &SkinMesh,
+    attachment: Attachment,
+    lower: &[LowerLayer<'_>],
+) -> PosedSurface {
+    let (middle, distance) = surface_and_distance(on, skin, attachment, lower);
+    PosedSurface {
+        positions: lifted(&middle, &distance, 1.0),
+        ..middle
+    }
+}
+
+/// The surface that a layer lies on, and how far above it every vertex is (m).
+fn surface_and_distance(
+    (driver, support): (&Driver, &dyn Support),
+    skin: &SkinMesh,
+    attachment: Attachment,
+    lower: &[LowerLayer<'_>],
+) -> (PosedSurface, Vec<f64>) {
     let mut middle = support.pose(skin);
     let on_support = middle.positions.clone();
     let mut distance = vec![attachment.offset; middle.positions.len()];
@@ -106,33 +154,13 @@ pub(crate) fn support_surface(
             distance[vertex as usize] = rise * (attachment.offset - lower.offset);
         }
     }
-    let lifted = |fraction: f64| -> Vec<Vector3<f64>> {
-        let normals = middle.positions.iter().zip(&middle.normals).zip(&distance);
-        normals.map(|((x, n), d)| x + n * (fraction * d)).collect()
-    };
-    let positions = lifted(1.0);
-    let transfer = (attachment.offset > 0.0 && attachment.bending_transfer < 1.0).then(|| {
-        // Where the layer rests, between the surface below and its own place.
-        let rest: Vec<Vector3<f64>> = skin
-            .rest
-            .positions
-            .iter()
-            .zip(&skin.rest.normals)
-            .zip(&distance)
-            .map(|((x, n), d)| x - n * ((1.0 - attachment.bending_transfer) * d))
-            .collect();
-        let part = face_strains(&skin.mesh, &rest, &lifted(attachment.bending_transfer));
-        let whole = face_strains(&skin.mesh, &skin.rest.positions, &positions);
-        untransferred(&whole, &part)
-    });
-    SupportSurface {
-        posed: PosedSurface {
-            positions,
-            ..middle
-        },
-        transfer,
-        growth: None,
-    }
+    (middle, distance)
+}
+
+/// Places at a `fraction` of their distance (m) above a surface.
+fn lifted(surface: &PosedSurface, distance: &[f64], fraction: f64) -> Vec<Vector3<f64>> {
+    let places = surface.positions.iter().zip(&surface.normals).zip(distance);
+    places.map(|((x, n), d)| x + n * (fraction * d)).collect()
 }
 
 /// `A = P^-1/2 W P^-1/2` per face, as stretch `A^1/2`, of the whole metric `W` and the part `P`
