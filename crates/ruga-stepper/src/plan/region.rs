@@ -461,6 +461,12 @@ mod tests {
     use super::*;
 
     #[test]
+    fn symmetric_matrices_stay_the_same() {
+        let t = Matrix3::new(1.0, 4.0, 5.0, 4.0, 2.0, 6.0, 5.0, 6.0, 3.0);
+        assert_eq!(unpacked(&packed(&t)), t);
+    }
+
+    #[test]
     fn wrinkling_begins_between_the_surfaces_that_were_looked_at() {
         let field = |values: [f64; 4]| -> PerFace<f64> { values.into_iter().collect() };
         let critical = field([1.0; 4]);
