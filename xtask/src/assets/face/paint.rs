@@ -4,6 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use ruga_blend::ArtistMesh;
 use ruga_mesh::barycentric;
 
+use super::openings::MOUTH;
 use super::solid::{EYE, Point};
 use crate::assets::paint::smooth_step;
 
@@ -49,9 +50,11 @@ fn eyes(p: Point) -> f64 {
     window(p.y, [-0.032, -0.022], [0.030, 0.040]) * smooth_step(p.z, [-0.002, 0.012])
 }
 
-/// Cheeks, mouth and chin.
+/// Cheeks, the skin around the lips, and chin. Lips are softer and wrinkle otherwise: as thick as cheeks they had pits.
 fn cheeks(p: Point) -> f64 {
-    window(p.y, [-0.125, -0.112], [0.0, 0.010]) * smooth_step(p.z, [0.004, 0.020])
+    let face = window(p.y, [-0.125, -0.112], [0.0, 0.010]) * smooth_step(p.z, [0.004, 0.020]);
+    let lips = Vector2::new(p.x / 0.026, (p.y - MOUTH) / 0.011).norm();
+    face * smooth_step(lips, [0.6, 1.2])
 }
 
 /// Thin on the lids, thick on cheeks and chin: share of the range that a scene gives.

@@ -199,9 +199,9 @@ fn mouth_frown(place: Place) -> Point {
 /// Both corners of the mouth inward and the lips forward.
 fn mouth_pucker(place: Place) -> Point {
     let p = place.point;
-    let around = bump(p, [0.0, -0.070, 0.075], [0.056, 0.036, 0.06]);
+    let around = bump(p, [0.0, -0.070, 0.075], [0.075, 0.046, 0.07]);
     let lips = bump(p, [0.0, -0.070, 0.080], [0.036, 0.026, 0.04]);
-    Point::new(-0.15 * p.x * around, 0.0, 0.0032 * lips)
+    Point::new(-0.155 * p.x * around, 0.0, 0.0032 * lips)
 }
 
 /// The lower jaw turned about the axis through its joints.
