@@ -9,9 +9,9 @@ pub const BYTES_PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the lowest layer's output mesh, one that is fine in all directions; halving leaves
 /// more vertices than planned. From a smile of 69 thousand and hands of 35 to 350.
 const PER_OUTPUT_VERTEX: f64 = 2.6e3;
-/// The same for layers on others, whose meshes are fine across the waves alone and fitted to coarser ones: from raised
-/// brows of 285 and 904 thousand vertices, which take 3.6 and 10 GB.
-const PER_OUTPUT_VERTEX_ABOVE: f64 = 1.5e3;
+/// The same for layers on others, whose meshes are fine across the waves alone and fitted to coarser ones: raised brows
+/// of 389 and 906 thousand vertices take 3.4 and 9.2 GB, for which 4.3 and 11.4 are told.
+const PER_OUTPUT_VERTEX_ABOVE: f64 = 1e3;
 /// Factorisations in which the first wrinkles are found, on the whole of a layer or in wide patches.
 const FIRST: f64 = 17.0;
 /// Vertices of a wide patch with its overlap, over those without.
