@@ -233,8 +233,9 @@ fn a_layer_follows_the_fold_below_it() {
     let [lower, upper] = deviations(&|off| off < 0.05);
     assert!(lower < -1e-4, "{lower}");
     assert!((0.9..1.0).contains(&(upper / lower)), "{upper} {lower}");
+    // Averages leave a hundredth there, which at so few points depends on how equal edges were split.
     for low in deviations(&|off| off > 0.35) {
-        assert!(low > 0.01 * lower, "{low} {lower}");
+        assert!(low > 0.02 * lower, "{low} {lower}");
     }
 }
 
