@@ -44,8 +44,8 @@ const FEWEST: f64 = 8.0;
 /// Share of a layer that is compressed beyond 15 % from which on it takes more factorisations: a jaw with .30 takes no
 /// more than others.
 const MUCH_CAPPED: f64 = 0.3;
-/// Factorisations added where all of a layer is compressed beyond 15 %, in those without: poses of a hand with shares of
-/// .48, .57 and .87 take 1.4, 1.9 and 1.8 times as many, for which 1.4, 1.6 and 2.2 are told.
+/// Factorisations added where all of a layer is compressed beyond 15 %, in those without: poses of a hand with shares
+/// of .48, .57 and .87 take 1.4, 1.9 and 1.8 times as many, for which 1.4, 1.6 and 2.2 are told.
 const MORE_CAPPED: f64 = 1.5;
 
 /// Measures of the work that the lowest layer will be.
