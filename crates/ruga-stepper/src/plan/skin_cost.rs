@@ -163,11 +163,16 @@ mod tests {
             motions: Vec::new(),
             growths: Vec::new(),
         };
+        let least = Load {
+            onset: 1.0,
+            vertices: COUNTED,
+            capped: 0.0,
+        };
         let of = |onset, vertices, pose: &PoseSpec, path| {
             let load = Load {
                 onset,
                 vertices,
-                capped: 0.0,
+                ..least
             };
             factorisations(Some(load), pose, path)
         };
@@ -183,14 +188,7 @@ mod tests {
         assert_eq!(of(0.5, COUNTED, &two_keys, weight), 38.0);
         assert_eq!(of(0.5, COUNTED, &two_keys, strain), 52.0);
         assert_eq!(factorisations(None, &plain, weight), 45.0);
-        let capped = |capped| {
-            let load = Load {
-                onset: 1.0,
-                vertices: COUNTED,
-                capped,
-            };
-            factorisations(Some(load), &plain, weight)
-        };
+        let capped = |capped| factorisations(Some(Load { capped, ..least }), &plain, weight);
         assert_eq!([0.2, MUCH_CAPPED].map(capped), [12.0; 2]);
         assert!((capped(0.65) - 21.0).abs() < 1e-9);
     }

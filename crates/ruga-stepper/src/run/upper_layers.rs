@@ -161,7 +161,6 @@ impl<'a> StackRun<'a> {
         let attachment = self.plan.stacking.attachments[run.index];
         let region = &layer.region().skin;
         let on = (driver.as_ref(), support);
-        // First, because it takes most memory while it is found.
         let on_region = layer.on_region();
         let surface = posed_below(on, region, attachment, lower);
         // Maps show driver or body as they are.

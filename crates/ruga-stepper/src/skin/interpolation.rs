@@ -148,7 +148,7 @@ fn limit_in_parts<const K: usize>(
         let around = core.iter().flat_map(|&face| mesh.faces()[face]);
         let around = around.flat_map(|v| mesh.vertex_faces(v));
         let chosen: Vec<FaceId> = core.iter().chain(around).copied().collect();
-        // Its first faces are those of the core, in their order.
+        // What is chosen again is taken once, so that its first faces are those of the core, in their order.
         let part = mesh.submesh(&chosen);
         let on_part = |&i: &u32| MaterialPoint {
             face: FaceId::from_index(rank(i) % most),

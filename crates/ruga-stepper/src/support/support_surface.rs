@@ -121,7 +121,7 @@ pub(crate) fn support_surface(
     }
 }
 
-/// The places and normals of [`support_surface`] alone.
+/// The surface of [`support_surface`] alone, where it is shown and no rest metric is asked for.
 pub(crate) fn posed_below(
     on: (&Driver, &dyn Support),
     skin: &SkinMesh,
