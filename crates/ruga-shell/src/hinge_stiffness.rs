@@ -48,12 +48,18 @@ impl HingeShape {
         }
     }
 
-    /// The faces on the two sides of an inner edge, each with the corner at which the edge begins.
+    /// The faces on the two sides of an inner edge, each with the corner at which the edge begins; where they are the
+    /// same one, the right face is the mirror image of the left one.
     pub(crate) fn between(
         [(left, tail), (right, head)]: [(FaceId, usize); 2],
         rest: &[RestTriangle],
     ) -> Self {
-        Self::new(&rest[left.index()], tail, &rest[right.index()], head)
+        let shape = Self::new(&rest[left.index()], tail, &rest[right.index()], head);
+        let feet = match left == right {
+            true => [shape.feet[0]; 2],
+            false => shape.feet,
+        };
+        Self { feet, ..shape }
     }
 
     /// Length of the edge (m).

@@ -6,7 +6,7 @@ mod elements;
 use nalgebra::{Matrix2, Matrix3, Vector3};
 use rayon::prelude::*;
 
-use ruga_mesh::{BlockPattern, EdgeId, FaceId, Id, PerEdge, TriMesh};
+use ruga_mesh::{BlockPattern, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId};
 
 use crate::hinge::{Hinge, HingeState};
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
@@ -16,9 +16,9 @@ use crate::natural_curvature::NaturalAngles;
 use crate::sharp_fold::SharpFold;
 use crate::sheet_slots::SheetSlots;
 use crate::stars::Star;
-use crate::stencil::{FaceCorner, add_blocks, gather};
+use crate::stencil::{FaceCorner, add_blocks};
 use crate::{EnergyParts, FaceParameters, RestTriangle};
-use elements::{HingeElement, StarElement};
+use elements::{HingeElement, StarElement, hinge_state};
 
 /// Hinges at all inner edges and, if the model has them, the stars that their angles go into.
 #[derive(Clone, Debug)]
@@ -43,24 +43,31 @@ fn for_each_mut<T: Send>(elements: &mut [T], change: impl Fn(&mut T) + Send + Sy
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InnerEdge {
     pub(crate) edge: EdgeId,
-    /// Its two faces, each with the corner at which the edge begins.
+    /// Its two faces, each with the corner at which the edge begins; of a mirrored edge the left one twice.
     pub(crate) sides: [(FaceId, usize); 2],
     /// Tail, head, left and right apex.
     pub(crate) vertices: [u32; 4],
+    /// Whether the right face is the mirror image of the left one.
+    pub(crate) is_mirrored: bool,
 }
 
-/// The edges between two faces, by their lower and then their higher end.
-pub(crate) fn inner_edges(mesh: &TriMesh) -> Vec<InnerEdge> {
+/// The edges between two faces, or between one and its mirror image where both ends are `on_plane` (empty for no
+/// plane), by their lower and then their higher end.
+pub(crate) fn inner_edges(mesh: &TriMesh, on_plane: &[bool]) -> Vec<InnerEdge> {
+    let is_on_plane = |v: VertexId| on_plane.get(v.index()).copied().unwrap_or(false);
     let inner = mesh.edges().iter().filter_map(|(id, edge)| {
-        let ([left, right], [Some(first), Some(second)]) = (mesh.edge_sides(id), edge.apexes)
-        else {
-            return None;
+        let [left, right] = mesh.edge_sides(id);
+        let is_mirrored = edge.is_border() && edge.vertices.into_iter().all(is_on_plane);
+        let (right, second) = match is_mirrored {
+            true => (left, edge.apexes[0]),
+            false => (right, edge.apexes[1]),
         };
         let [tail, head] = edge.vertices;
         Some(InnerEdge {
             edge: id,
             sides: [left?, right?],
-            vertices: [tail, head, first, second].map(|v| v.0),
+            vertices: [tail, head, edge.apexes[0]?, second?].map(|v| v.0),
+            is_mirrored,
         })
     });
     let mut inner: Vec<_> = inner.collect();
@@ -90,8 +97,9 @@ impl LayerBending {
                          sides,
                          vertices,
                          edge,
+                         is_mirrored,
                      }: &InnerEdge| {
-            let surface_angle = HingeState::new(&gather(rest, &vertices)).angle();
+            let surface_angle = hinge_state(rest, &vertices, is_mirrored).angle();
             HingeElement {
                 hinge: Hinge {
                     stiffness: 0.0,
@@ -102,6 +110,7 @@ impl LayerBending {
                 crease: None,
                 edge,
                 vertices,
+                is_mirrored,
                 sides: sides.map(FaceCorner::new),
             }
         };
@@ -212,7 +221,9 @@ impl LayerBending {
             let shape = HingeShape::between(sides, rest);
             let [left, right] = sides.map(|(face, _)| modulus(face.index()));
             let mean = 0.5 * (left + right);
-            element.hinge.stiffness = factor * shape.stiffness(mean, HINGE_EXPONENT);
+            // Half of a mirrored edge's energy belongs to the other half of the layer.
+            let share = if element.is_mirrored { 0.5 } else { 1.0 };
+            element.hinge.stiffness = share * factor * shape.stiffness(mean, HINGE_EXPONENT);
         });
         for_each_mut(&mut self.stars, |element| {
             let shape = element.star.shape(rest);
@@ -300,7 +311,7 @@ impl LayerBending {
             for element in &self.hinges {
                 let state = element.state(x);
                 let moment = element.moment(&state);
-                let forces = state.angle_gradient().map(|g| g * moment);
+                let forces = element.angle_gradient(&state).map(|g| g * moment);
                 pattern.add_forces(gradient, &element.vertices, &forces);
             }
             return;
@@ -310,7 +321,7 @@ impl LayerBending {
         // derivatives only once.
         let moments = self.moments(&self.bends(&states));
         for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
-            let forces = state.angle_gradient().map(|g| g * moment);
+            let forces = element.angle_gradient(state).map(|g| g * moment);
             pattern.add_forces(gradient, &element.vertices, &forces);
         }
     }
@@ -331,10 +342,10 @@ impl LayerBending {
                 // moment and may be indefinite.
                 let mut blocks = element.softened(&state).gauss_newton(&state);
                 if !relaxed.is_empty() {
-                    add_blocks(relaxed, slots, &blocks);
+                    add_blocks(relaxed, slots, &element.on_own_side(blocks));
                 }
                 state.add_curvature(element.moment(&state), &mut blocks);
-                add_blocks(exact, slots, &blocks);
+                add_blocks(exact, slots, &element.on_own_side(blocks));
             }
             return;
         }
@@ -344,12 +355,16 @@ impl LayerBending {
         // semidefinite, and the relaxed Hessian takes no other part.
         let bends = self.bends(&states);
         let moments = self.moments(&bends);
-        for ((slots, state), moment) in slots.hinges.iter().zip(&states).zip(moments) {
+        let elements = self.hinges.iter().zip(&slots.hinges);
+        for (((element, slots), state), moment) in elements.zip(&states).zip(moments) {
             let mut blocks = [Matrix3::zeros(); 10];
             state.add_curvature(moment, &mut blocks);
-            add_blocks(exact, slots, &blocks);
+            add_blocks(exact, slots, &element.on_own_side(blocks));
         }
-        let gradients: Vec<_> = states.iter().map(HingeState::angle_gradient).collect();
+        let elements = self.hinges.iter().zip(&states);
+        let gradients: Vec<_> = elements
+            .map(|(element, state)| element.angle_gradient(state))
+            .collect();
         let (mut of_stars, mut slopes) = (slots.stars.iter().copied(), Vec::new());
         for star in &self.stars {
             let at = (bends.as_slice(), gradients.as_slice());
@@ -360,7 +375,7 @@ impl LayerBending {
                 stiffness: fold.curvature,
                 ..self.hinges[i].hinge
             };
-            let blocks = stiffened.gauss_newton(&states[i]);
+            let blocks = self.hinges[i].on_own_side(stiffened.gauss_newton(&states[i]));
             add_blocks(exact, &slots.hinges[i], &blocks);
             if !relaxed.is_empty() {
                 add_blocks(relaxed, &slots.hinges[i], &blocks);

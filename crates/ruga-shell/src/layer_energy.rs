@@ -3,6 +3,7 @@
 mod by_face;
 mod creases;
 mod material;
+mod mirror_plane;
 mod rest_shape;
 
 use nalgebra::Vector3;
@@ -16,6 +17,7 @@ use crate::parameters::{check_finite, check_length};
 use crate::sheet::Sheet;
 use crate::sheet_springs::{SheetSprings, both};
 use crate::{BendingModel, EnergyParts, LayerParameters, ShellError, UpperSheet};
+use mirror_plane::MirrorPlane;
 
 /// Membrane, bending and foundation of a layer, or of a pair of sheets one on the other that move
 /// together.
@@ -40,6 +42,8 @@ pub struct LayerEnergy {
     bending_model: BendingModel,
     foundation: LayerFoundation,
     pattern: BlockPattern,
+    /// Where the layer is one half of a symmetric one.
+    mirror_plane: MirrorPlane,
 }
 
 impl LayerEnergy {
@@ -73,7 +77,34 @@ impl LayerEnergy {
         bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
         let at_rest = (mesh, rest_positions, pinned);
-        Self::build(at_rest, parameters, None, bending_model)
+        Self::build(at_rest, &[], parameters, None, bending_model)
+    }
+
+    /// One half of a layer that is its own mirror image at a plane of constant x, where it ends: [`Self::with_bending`]
+    /// with the vertices `on_plane`, pinned ones among them.
+    ///
+    /// Energy is half of the whole's, and bends it across the plane as if its mirror image went on there. Vertices on
+    /// the plane that are not pinned keep their degrees of freedom, but that along x does nothing: its
+    /// derivatives are 0, but for a positive entry on the diagonal, so that a solver leaves x as it is.
+    ///
+    /// # Validity
+    /// Where a pinned border meets the plane, the vertex between them bends as at any other border. Natural curvatures
+    /// that are askew at the plane have no mirror image.
+    ///
+    /// # Errors
+    /// Those of [`Self::with_bending`].
+    pub fn half(
+        at_rest: (&TriMesh, &[Vector3<f64>], &[bool]),
+        on_plane: &[bool],
+        parameters: LayerParameters,
+        bending_model: BendingModel,
+    ) -> Result<Self, ShellError> {
+        check_length(
+            "vertices on the plane",
+            at_rest.0.vertex_count(),
+            on_plane.len(),
+        )?;
+        Self::build(at_rest, on_plane, parameters, None, bending_model)
     }
 
     /// A layer with an `upper` sheet that moves together with it, both at rest; a vertex is pinned in
@@ -88,11 +119,12 @@ impl LayerEnergy {
         upper: UpperSheet,
         bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
-        Self::build(at_rest, parameters, Some(upper), bending_model)
+        Self::build(at_rest, &[], parameters, Some(upper), bending_model)
     }
 
     fn build(
         (mesh, rest, pinned): (&TriMesh, &[Vector3<f64>], &[bool]),
+        on_plane: &[bool],
         parameters: LayerParameters,
         upper: Option<UpperSheet>,
         bending_model: BendingModel,
@@ -102,7 +134,12 @@ impl LayerEnergy {
         check_length("pinned", count, pinned.len())?;
         parameters.check(face_count, count)?;
         check_held(mesh, pinned)?;
-        let normals = vertex_normals(mesh, rest);
+        let mut normals = vertex_normals(mesh, rest);
+        for (normal, _) in normals.iter_mut().zip(on_plane).filter(|(_, on)| **on) {
+            // The faces on the other side lean the other way.
+            normal.x = 0.0;
+            *normal = normal.try_normalize(0.0).unwrap_or_else(Vector3::y);
+        }
         // Both sheets stand in one pattern, since the springs couple their vertices and the solver
         // sees one matrix.
         let (mut rest, mut pinned) = (rest.to_vec(), pinned.to_vec());
@@ -119,7 +156,9 @@ impl LayerEnergy {
         check_finite("rest position", rest.iter().flatten(), 3)?;
         let sheets = sheets
             .into_iter()
-            .map(|(before, faces)| Sheet::new((mesh, before, bending_model), &rest, faces))
+            .map(|(before, faces)| {
+                Sheet::new((mesh, on_plane), (before, bending_model), &rest, faces)
+            })
             .collect::<Result<Vec<_>, _>>()?;
         let of_sheets = sheets.iter().flat_map(Sheet::stencils);
         let stencils = of_sheets.chain(between.iter().map(<[u32; 6]>::as_slice));
@@ -138,7 +177,9 @@ impl LayerEnergy {
         let tangential = parameters.tangential_stiffness;
         let lower = (mesh, &sheets[0]);
         let foundation = LayerFoundation::new(lower, tangential, &pattern, anchors.collect());
+        let mirror_plane = MirrorPlane::new(&pattern, on_plane, sheets[0].parameters());
         Ok(Self {
+            mirror_plane,
             sheets,
             springs,
             bending_model,
@@ -161,6 +202,7 @@ impl LayerEnergy {
         let pinned: Vec<_> = numbers.is_free.iter().map(|free| !free).collect();
         let pattern = BlockPattern::new(&pinned, sheet.stencils());
         Self {
+            mirror_plane: self.mirror_plane.part(numbers, &pattern),
             sheets: vec![sheet],
             springs: None,
             bending_model: self.bending_model,
@@ -226,6 +268,7 @@ impl LayerEnergy {
     /// Forgets where the blocks of the sheets' stencils lie in a matrix; the next one looks them up anew.
     pub fn release_slots(&mut self) {
         self.sheets.iter_mut().for_each(Sheet::release_slots);
+        self.mirror_plane.release_entries();
     }
 
     /// Energy (J) at the positions `x` (m) of all vertices.
@@ -319,6 +362,7 @@ impl LayerEnergy {
         if let Some(springs) = &self.springs {
             springs.add_gradient(x, &self.pattern, gradient);
         }
+        self.mirror_plane.clear_gradient(gradient);
         springs
     }
 
@@ -379,6 +423,9 @@ impl LayerEnergy {
         }
         if let Some(springs) = &self.springs {
             springs.add_hessian(x, exact, relaxed);
+        }
+        for values in [exact, relaxed] {
+            self.mirror_plane.clear_hessian(&self.pattern, values);
         }
     }
 

@@ -208,7 +208,7 @@ fn add_bending(
     free: &FreeIndex,
     entries: &mut Entries,
 ) {
-    let inner = inner_edges(query.mesh);
+    let inner = inner_edges(query.mesh, &[]);
     let folds = folds(query, &inner);
     match query.bending_model {
         BendingModel::Hinge => {
@@ -236,7 +236,7 @@ fn add_stars(
     free: &FreeIndex,
     entries: &mut Entries,
 ) {
-    for star in stars(query.mesh) {
+    for star in stars(query.mesh, &[]) {
         let shape = star.shape(rest);
         let mut weights = shape.rows(query.bending_modulus * shape.area(), query.poisson);
         let edges = (0..).zip(&star.folds);

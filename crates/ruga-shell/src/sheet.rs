@@ -37,19 +37,20 @@ pub(crate) struct Sheet {
 
 impl Sheet {
     /// A sheet on `mesh`, its vertices after `before` others, at rest at the `positions` (m) of all vertices of the
-    /// layer.
+    /// layer. Beyond border edges with both ends `on_plane` (empty for no plane) it goes on as its mirror image.
     pub(crate) fn new(
-        (mesh, before, model): (&TriMesh, u32, BendingModel),
+        (mesh, on_plane): (&TriMesh, &[bool]),
+        (before, model): (u32, BendingModel),
         positions: &[Vector3<f64>],
         parameters: Vec<FaceParameters>,
     ) -> Result<Self, ShellError> {
-        let mut inner = inner_edges(mesh);
+        let mut inner = inner_edges(mesh, on_plane);
         for edge in &mut inner {
             edge.vertices = edge.vertices.map(|v| before + v);
         }
         let mut stars = match model {
             BendingModel::Hinge => Vec::new(),
-            BendingModel::VertexCurvature => stars(mesh),
+            BendingModel::VertexCurvature => stars(mesh, on_plane),
         };
         for vertex in stars.iter_mut().flat_map(|star| &mut star.vertices) {
             *vertex += before;

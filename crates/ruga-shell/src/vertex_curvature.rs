@@ -1,5 +1,7 @@
 //! Curvature of the faces around one vertex, and what it costs.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 use crate::RestTriangle;
@@ -79,6 +81,8 @@ pub struct StarShape {
 enum StarKind {
     /// Closed star, with its correction `C`.
     Closed(Matrix3<f64>),
+    /// Closed star of which half of the faces are mirror images, with its correction `C`.
+    Mirrored(Matrix3<f64>),
     /// Open star, with the unit direction of the border.
     Open(Vector2<f64>),
 }
@@ -88,22 +92,38 @@ impl StarShape {
     /// vertex is. Inner edge `k` is the one at which face `k` begins.
     pub fn closed(fan: &[(RestTriangle, usize)]) -> Self {
         let area = third(fan);
-        let mut points = unfolded(fan, |turn| 2.0 * std::f64::consts::PI / turn);
-        // After a full turn the first comes again; the two differ in length under a rest stretch.
-        if let (Some(again), Some(first)) = (points.pop(), points.first_mut()) {
-            *first *= 0.5 * (1.0 + again.norm() / first.norm());
-        }
-        let weights = weights(&points, area);
-        // A star with a flat or overturned triangle keeps its curvature as it is: the correction
-        // would divide by a height that is next to nothing.
-        let correction = quadratic_response(&points, &weights)
-            .map_or_else(Matrix3::identity, |response| {
-                inverse(0.5 * (response + Matrix3::identity()))
-            });
+        let (weights, correction) = all_around(&sides(fan), area);
         Self {
             area,
             weights,
             kind: StarKind::Closed(correction),
+        }
+    }
+
+    /// `fan` lists the faces of a vertex on a plane of symmetry, counter-clockwise from one edge on the plane to the
+    /// other, and which corner of each the vertex is: half of a closed star. Inner edge `k` is the one at which face
+    /// `k` begins, one more the last one on the plane.
+    ///
+    /// Curvature is that of the closed star, of which [`Self::area`] is the whole; [`Self::rows`] give half of its
+    /// energy.
+    pub fn mirrored(fan: &[(RestTriangle, usize)]) -> Self {
+        let area = 2.0 * third(fan);
+        let own = sides(fan);
+        let images = own
+            .iter()
+            .rev()
+            .map(|&(length, aside, angle)| (aside, length, angle));
+        let both: Vec<_> = own.iter().copied().chain(images).collect();
+        let (mut weights, correction) = all_around(&both, area);
+        // Mirror images are bent by the same angles as their originals; edges on the plane have none.
+        let images = weights.split_off(fan.len() + 1);
+        for (weight, image) in weights[1..fan.len()].iter_mut().zip(images.iter().rev()) {
+            *weight += image;
+        }
+        Self {
+            area,
+            weights,
+            kind: StarKind::Mirrored(correction),
         }
     }
 
@@ -115,7 +135,7 @@ impl StarShape {
     /// When `fan` is empty.
     pub fn open(fan: &[(RestTriangle, usize)]) -> Self {
         let area = third(fan);
-        let points = unfolded(fan, |_| 1.0);
+        let points = unfolded(&sides(fan), 1.0);
         let (first, last) = (points[0], points[points.len() - 1]);
         // At its vertex the border may turn a corner. The chord between the neighbours is its mean
         // direction there.
@@ -128,7 +148,7 @@ impl StarShape {
         }
     }
 
-    /// A third of the faces' area (m²).
+    /// A third of the faces' area (m²), mirror images included.
     pub fn area(&self) -> f64 {
         self.area
     }
@@ -136,7 +156,7 @@ impl StarShape {
     /// `C`, for components; the identity at borders.
     pub fn correction(&self) -> Matrix3<f64> {
         match self.kind {
-            StarKind::Closed(correction) => correction,
+            StarKind::Closed(correction) | StarKind::Mirrored(correction) => correction,
             StarKind::Open(_) => Matrix3::identity(),
         }
     }
@@ -151,6 +171,7 @@ impl StarShape {
     pub fn rows(&self, stiffness: f64, poisson: f64) -> Vec<Vector3<f64>> {
         let map = match self.kind {
             StarKind::Closed(correction) => plate_root(stiffness, poisson, correction),
+            StarKind::Mirrored(correction) => plate_root(0.5 * stiffness, poisson, correction),
             StarKind::Open(along) => border_root(stiffness, poisson, along),
         };
         self.weights.iter().map(|weight| map * weight).collect()
@@ -188,18 +209,37 @@ fn third(fan: &[(RestTriangle, usize)]) -> f64 {
     fan.iter().map(|(face, _)| face.area()).sum::<f64>() / 3.0
 }
 
-/// The neighbours in the plane, the first on the x axis, and one more than faces.
-fn unfolded(fan: &[(RestTriangle, usize)], scale: impl Fn(f64) -> f64) -> Vec<Vector2<f64>> {
-    let sides: Vec<_> = fan
-        .iter()
-        .map(|(face, corner)| {
-            let (length, foot, height) = face.seen_from_edge(*corner);
-            let aside = Vector2::new(foot * length, height);
-            (length, aside.norm(), aside.y.atan2(aside.x))
-        })
-        .collect();
-    let scale = scale(sides.iter().map(|(_, _, angle)| angle).sum());
-    let mut points = Vec::with_capacity(fan.len() + 1);
+/// Weights of the inner edges between faces all around a vertex, given by their [`sides`] there, and the correction.
+fn all_around(sides: &[(f64, f64, f64)], area: f64) -> (Vec<Vector3<f64>>, Matrix3<f64>) {
+    let turn: f64 = sides.iter().map(|(_, _, angle)| angle).sum();
+    let mut points = unfolded(sides, TAU / turn);
+    // After a full turn the first comes again; the two differ in length under a rest stretch.
+    if let (Some(again), Some(first)) = (points.pop(), points.first_mut()) {
+        *first *= 0.5 * (1.0 + again.norm() / first.norm());
+    }
+    let weights = weights(&points, area);
+    // A star with a flat or overturned triangle keeps its curvature as it is: the correction
+    // would divide by a height that is next to nothing.
+    let correction = quadratic_response(&points, &weights)
+        .map_or_else(Matrix3::identity, |response| {
+            inverse(0.5 * (response + Matrix3::identity()))
+        });
+    (weights, correction)
+}
+
+/// Lengths (m) of the two edges of every face at the vertex, counter-clockwise, and the angle between them (rad).
+fn sides(fan: &[(RestTriangle, usize)]) -> Vec<(f64, f64, f64)> {
+    let of_face = |(face, corner): &(RestTriangle, usize)| {
+        let (length, foot, height) = face.seen_from_edge(*corner);
+        let aside = Vector2::new(foot * length, height);
+        (length, aside.norm(), aside.y.atan2(aside.x))
+    };
+    fan.iter().map(of_face).collect()
+}
+
+/// The neighbours in the plane, the first on the x axis, and one more than faces; angles are scaled.
+fn unfolded(sides: &[(f64, f64, f64)], scale: f64) -> Vec<Vector2<f64>> {
+    let mut points = Vec::with_capacity(sides.len() + 1);
     let mut direction = 0.0_f64;
     for (k, (length, _, angle)) in sides.iter().enumerate() {
         // Two faces differ in the length of their edge only under a rest stretch.

@@ -9,6 +9,25 @@ use crate::stars::Star;
 use crate::stencil::{FaceCorner, gather};
 use crate::vertex_curvature::weighted;
 
+/// Reflection at a plane of constant x.
+const REFLECTION: Matrix3<f64> = Matrix3::new(-1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0);
+
+/// Angle and frame of the hinge on these vertices, of which the last one is reflected at the edge's plane of constant
+/// x where the hinge `is_mirrored`.
+#[inline]
+pub(super) fn hinge_state(
+    x: &[Vector3<f64>],
+    vertices: &[u32; 4],
+    is_mirrored: bool,
+) -> HingeState {
+    let mut points = gather(x, vertices);
+    if is_mirrored {
+        // Both ends are on the plane, up to how well the artist has put them there.
+        points[3].x = points[0].x + points[1].x - points[3].x;
+    }
+    HingeState::new(&points)
+}
+
 /// The hinge on an inner edge of a layer.
 #[derive(Clone, Debug)]
 pub(super) struct HingeElement {
@@ -21,7 +40,10 @@ pub(super) struct HingeElement {
     /// A crease in series with the hinge, which few have; none where there are stars.
     pub(super) crease: Option<Box<Branch>>,
     pub(super) edge: EdgeId,
+    /// Tail, head, left and right apex; of a mirrored edge the left one twice.
     pub(super) vertices: [u32; 4],
+    /// Whether the right face is the mirror image of the left one.
+    pub(super) is_mirrored: bool,
     pub(super) sides: [FaceCorner; 2],
 }
 
@@ -38,7 +60,7 @@ pub(super) struct StarElement {
 }
 
 impl HingeElement {
-    /// Its two faces, each with the corner at which the edge begins.
+    /// Its two faces, each with the corner at which the edge begins; of a mirrored edge the left one twice.
     pub(super) fn sides(&self) -> [(FaceId, usize); 2] {
         self.sides.map(FaceCorner::pair)
     }
@@ -49,17 +71,44 @@ impl HingeElement {
     }
 
     pub(super) fn state(&self, x: &[Vector3<f64>]) -> HingeState {
-        HingeState::new(&gather(x, &self.vertices))
+        hinge_state(x, &self.vertices, self.is_mirrored)
+    }
+
+    /// Derivative of the angle by the vertices (rad/m).
+    #[inline]
+    pub(super) fn angle_gradient(&self, state: &HingeState) -> [Vector3<f64>; 4] {
+        let gradient = state.angle_gradient();
+        match self.is_mirrored {
+            false => gradient,
+            true => {
+                let [tail, head, left, right] = gradient;
+                [tail, head, left + REFLECTION * right, Vector3::zeros()]
+            }
+        }
+    }
+
+    /// Blocks in the order of [`Hinge::hessian`], by the vertices: those of a mirror image added to its original's.
+    #[inline]
+    pub(super) fn on_own_side(&self, mut blocks: [Matrix3<f64>; 10]) -> [Matrix3<f64>; 10] {
+        if self.is_mirrored {
+            let [.., by_tail, by_head, by_left, by_right] = blocks.map(|block| REFLECTION * block);
+            blocks[3] += by_tail;
+            blocks[4] += by_head;
+            blocks[5] += by_left + by_left.transpose() + by_right * REFLECTION;
+            blocks[6..].fill(Matrix3::zeros());
+        }
+        blocks
     }
 
     /// Energy (J).
     pub(super) fn value(&self, x: &[Vector3<f64>]) -> f64 {
+        let state = self.state(x);
         match &self.crease {
-            None => self.hinge.value(&gather(x, &self.vertices)),
-            Some(branch) => {
-                let state = self.state(x);
-                self.fold(branch, &state).energy()
+            None => {
+                let bend = self.hinge.bend(&state);
+                0.5 * self.hinge.stiffness * bend * bend
             }
+            Some(branch) => self.fold(branch, &state).energy(),
         }
     }
 
