@@ -392,6 +392,7 @@ fn pose_spec(pose: &file::Pose, driver: &Driver, path: &Path) -> Result<PoseSpec
         weights,
         keys,
         steps: pose.steps,
+        half: false,
     })
 }
 

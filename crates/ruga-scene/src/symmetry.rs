@@ -1,9 +1,9 @@
-//! Poses that are made of one simulation, because they are mirror images or the same.
+//! Poses that are made of one simulation, because they are mirror images or the same, or of half of one.
 
 use std::sync::Arc;
 
 use ruga_blend::Driver;
-use ruga_stepper::{KeyResult, PoseResult, PoseSpec};
+use ruga_stepper::{KeyResult, PoseResult, PoseSpec, can_be_halved};
 
 use crate::Mirror;
 use crate::mirror::sorted;
@@ -19,6 +19,8 @@ pub(crate) struct PoseImages {
     names: Vec<String>,
     /// Whether a pose is simulated as its mirror image.
     is_image: Vec<bool>,
+    /// Whether one half of a pose is simulated, of which the other is the mirror image.
+    is_half: Vec<bool>,
     /// The first pose that is simulated in the same way.
     first_alike: Vec<usize>,
 }
@@ -32,9 +34,16 @@ impl PoseImages {
     ) -> (Self, Vec<PoseSpec>) {
         let source = |pose: &PoseSpec| mirror?.source_of(&pose.weights, driver);
         let sources: Vec<_> = poses.iter().map(source).collect();
-        let is_image = sources.iter().map(Option::is_some).collect();
-        let simulated = poses.iter().zip(sources).map(|(pose, source)| PoseSpec {
+        let is_image: Vec<bool> = sources.iter().map(Option::is_some).collect();
+        let is_half = |pose: &PoseSpec| {
+            let mirrors = mirror.is_some_and(|mirror| mirror.is_own_image(&pose.weights));
+            mirrors && can_be_halved(driver, &pose.weights)
+        };
+        let is_half: Vec<bool> = poses.iter().map(is_half).collect();
+        let simulated = poses.iter().zip(sources).zip(&is_half);
+        let simulated = simulated.map(|((pose, source), half)| PoseSpec {
             weights: source.unwrap_or_else(|| pose.weights.clone()),
+            half: *half,
             ..pose.clone()
         });
         let simulated: Vec<PoseSpec> = simulated.collect();
@@ -56,6 +65,7 @@ impl PoseImages {
             mirror: mirror.cloned(),
             names: poses.iter().map(|pose| pose.name.clone()).collect(),
             is_image,
+            is_half,
             first_alike: first_alike.collect(),
         };
         (images, simulated)
@@ -63,6 +73,11 @@ impl PoseImages {
 
     pub(crate) fn is_image(&self, pose: usize) -> bool {
         self.is_image.get(pose).copied().unwrap_or(false)
+    }
+
+    /// Whether one half of a pose is simulated, of which the other is the mirror image.
+    pub(crate) fn is_half(&self, pose: usize) -> bool {
+        self.is_half.get(pose).copied().unwrap_or(false)
     }
 
     pub(crate) fn first_alike(&self, pose: usize) -> usize {
@@ -73,6 +88,13 @@ impl PoseImages {
     pub(crate) fn shown(&self, pose: usize, simulated: Vec<u32>) -> Vec<u32> {
         match &self.mirror {
             Some(mirror) if self.is_image(pose) => mirror.opposite(&simulated),
+            Some(mirror) if self.is_half(pose) => {
+                let mut both = mirror.opposite(&simulated);
+                both.extend(simulated);
+                both.sort_unstable();
+                both.dedup();
+                both
+            }
             _ => simulated,
         }
     }
@@ -94,9 +116,10 @@ impl PoseImages {
 
     /// Result of `pose`, from that of its simulation.
     pub(crate) fn own(&self, pose: usize, simulated: PoseResult) -> PoseResult {
-        match self.is_image(pose) {
-            true => self.turned(&simulated, [pose, pose]),
-            false => simulated,
+        match &self.mirror {
+            Some(_) if self.is_image(pose) => self.turned(&simulated, [pose, pose]),
+            Some(mirror) if self.is_half(pose) => doubled(mirror, simulated),
+            _ => simulated,
         }
     }
 
@@ -145,4 +168,18 @@ impl PoseImages {
             false => renamed,
         }
     }
+}
+
+/// The result of a whole pose from that of one half.
+fn doubled(mirror: &Mirror, mut half: PoseResult) -> PoseResult {
+    for key in &mut half.keys {
+        for layer in &mut key.layers {
+            *layer = mirror.both_halves(layer);
+        }
+    }
+    for layer in &mut half.layers {
+        layer.energy *= 2.0;
+        layer.left_out *= 2.0;
+    }
+    half
 }

@@ -81,7 +81,7 @@ impl LayerEnergy {
     }
 
     /// One half of a layer that is its own mirror image at a plane of constant x, where it ends: [`Self::with_bending`]
-    /// with the vertices `on_plane`, pinned ones among them.
+    /// with the vertices `on_plane`, pinned ones among them; a list of none is of a layer that does not reach the plane.
     ///
     /// Energy is half of the whole's, and bends it across the plane as if its mirror image went on there. Vertices on
     /// the plane that are not pinned keep their degrees of freedom, but that along x does nothing: its
@@ -99,11 +99,13 @@ impl LayerEnergy {
         parameters: LayerParameters,
         bending_model: BendingModel,
     ) -> Result<Self, ShellError> {
-        check_length(
-            "vertices on the plane",
-            at_rest.0.vertex_count(),
-            on_plane.len(),
-        )?;
+        if !on_plane.is_empty() {
+            check_length(
+                "vertices on the plane",
+                at_rest.0.vertex_count(),
+                on_plane.len(),
+            )?;
+        }
         Self::build(at_rest, on_plane, parameters, None, bending_model)
     }
 

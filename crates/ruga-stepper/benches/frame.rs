@@ -167,6 +167,7 @@ fn run(driver: &Arc<Driver>, steps: u32, watch: &mut Watch) -> PoseResult {
         steps,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }];
     let modelling = Modelling {
         // The planner counts the longest edges, the diagonals.

@@ -39,6 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         steps: 4,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }];
     let plan = plan(&driver, &layers, &poses, &Modelling::draft(), 1024)?;
     for warning in &plan.warnings {

@@ -59,6 +59,8 @@
 //!     steps: 3,
 //!     motions: Vec::new(),
 //!     growths: Vec::new(),
+//!,
+//!     half: false,
 //! }];
 //!
 //! let plan = plan(&driver, &layers, &poses, &Modelling::draft(), 1024)?;
@@ -102,6 +104,8 @@ pub use result::{
     ArtistPlace, ComputedMesh, CreaseReport, FaceState, FireReport, FoldSample, KeyResult,
     LayerReport, LayerSurface, PoseResult,
 };
+
+pub use skin::mirror::can_be_halved;
 
 pub use sheet::{BurntSurface, Fire, FireSource, Heats, SHEET_EDGES, Sheet, plan_sheet};
 

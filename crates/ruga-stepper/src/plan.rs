@@ -33,10 +33,10 @@ use crate::skin::refined::{Refined, in_all_directions, refined};
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
 use crate::support::Interior;
 use crate::validation::{
-    check_anchors, check_carried, check_growth, check_layer, check_map_size, check_modelling,
-    check_motionless, check_pose, check_unslit,
+    check_anchors, check_carried, check_growth, check_half, check_layer, check_map_size,
+    check_modelling, check_motionless, check_pose, check_unslit,
 };
-use crate::{LayerSpec, Mask, Modelling, PoseSpec, Sheet, StepperError};
+use crate::{LayerSpec, Mask, Modelling, PoseSpec, Sheet, Stack, StepperError};
 
 pub use body_plan::plan_body;
 pub use planned_surface::PlannedSurface;
@@ -220,8 +220,13 @@ pub fn plan(
     layers.iter().try_for_each(check_carried)?;
     layers.iter().try_for_each(check_anchors)?;
     layers.iter().try_for_each(check_unslit)?;
+    let is_plain = modelling.stack != Stack::Joint
+        && layers
+            .iter()
+            .all(|layer| layer.creases.is_empty() && layer.growths.is_empty());
     for pose in poses {
         check_pose(driver, pose)?;
+        check_half(driver, pose, is_plain)?;
         check_motionless(pose)?;
         layers
             .iter()

@@ -38,6 +38,11 @@ pub struct LayerSurface {
     /// For every triangle the file's triangle whose skin it is, and where the texture coordinates of its
     /// corners lie in it; beside an edge of that triangle its barycentric coordinates may leave [0, 1].
     pub artist: Arc<[ArtistPlace]>,
+    /// Whether every vertex lies on the plane at which one half of a symmetric pose ends ([`PoseSpec::half`]); empty
+    /// where there is no such plane.
+    ///
+    /// [`PoseSpec::half`]: crate::PoseSpec::half
+    pub on_plane: Arc<[bool]>,
     /// Mesh that it was computed on.
     pub computed: ComputedMesh,
     /// State of every triangle, for an observer who wants it
@@ -280,6 +285,7 @@ impl LayerSurface {
         share(&mut self.faces, &other.faces);
         share(&mut self.uvs, &other.uvs);
         share(&mut self.artist, &other.artist);
+        share(&mut self.on_plane, &other.on_plane);
     }
 }
 

@@ -13,6 +13,7 @@ pub(crate) mod interpolation;
 pub(crate) mod local_skin;
 pub(crate) mod material_places;
 pub(crate) mod measure;
+pub(crate) mod mirror;
 pub(crate) mod piece;
 pub(crate) mod place;
 pub(crate) mod quiet;

@@ -11,6 +11,7 @@ use ruga_shell::BendingModel;
 
 use crate::error::{Checked, refuse};
 use crate::growth::PoseGrowth;
+use crate::skin::mirror::can_be_halved;
 use crate::{
     CreaseAnchor, CreaseSpec, EdgeLimits, GROWTH_RANGE, Grows, GrowthSpec, LayerSpec, Modelling,
     PoseSpec, StepperError,
@@ -294,6 +295,23 @@ pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
         return refuse(of, "steps", pose.steps, accepted);
     }
     check_keys(&of, &pose.keys)
+}
+
+/// Refuses one half of a pose that has to be simulated whole: where `is_plain` does not hold, or the driver is not cut
+/// by the plane between the halves.
+pub(crate) fn check_half(driver: &Driver, pose: &PoseSpec, is_plain: bool) -> Checked {
+    if !pose.half || is_plain && can_be_halved(driver, &pose.weights) {
+        return Ok(());
+    }
+    let accepted = match is_plain {
+        true => {
+            "false, because edges of the mesh do not run along the plane x = 0 at rest and in the pose"
+        }
+        false => {
+            "false but for layers on a driver, one on the other and without creases and growths"
+        }
+    };
+    refuse(format!("pose '{}'", pose.name), "half", "true", accepted)
 }
 
 /// Refuses growths of a layer that together leave no length, or more than film theory is good for, in a pose.

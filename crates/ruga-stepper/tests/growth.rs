@@ -39,6 +39,7 @@ fn pose(strength: f64) -> PoseSpec {
         steps: 2,
         motions: Vec::new(),
         growths: vec![("grow".into(), strength)],
+        half: false,
     }
 }
 

@@ -35,6 +35,7 @@ fn pose(steps: u32) -> PoseSpec {
         steps,
         motions: Vec::new(),
         growths: vec![("grow".into(), 1.0)],
+        half: false,
     }
 }
 

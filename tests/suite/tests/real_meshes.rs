@@ -232,6 +232,7 @@ fn plan_every_shape(path: &Path) -> Result<Vec<f64>, String> {
             steps: 1,
             motions: Vec::new(),
             growths: Vec::new(),
+            half: false,
         })
         .collect();
     // The cubes are two metres wide: under thin skin their planning meshes grow to the limit.

@@ -62,6 +62,7 @@ pub fn patch_pose(driver: &Driver, keys: Vec<f64>, steps: u32) -> PoseSpec {
         steps,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }
 }
 

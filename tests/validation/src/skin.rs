@@ -143,6 +143,7 @@ impl Skin {
             steps,
             motions: Vec::new(),
             growths: Vec::new(),
+            half: false,
         }
     }
 

@@ -61,6 +61,7 @@ fn a_blend_shape_that_shrinks_a_square_makes_a_labyrinth() {
         steps: 4,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }];
     let modelling = Modelling {
         points_per_wavelength: 10.0,

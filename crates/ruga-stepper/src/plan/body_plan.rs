@@ -24,7 +24,8 @@ use crate::support::lattice_size::lattice_warnings;
 use crate::support::obstacle::{self, distance};
 use crate::validation::{
     check_anchor_depths, check_anchors, check_body_modelling, check_carried, check_grows,
-    check_growth, check_layer, check_map_size, check_pose, check_slits, check_unabsorbing,
+    check_growth, check_half, check_layer, check_map_size, check_pose, check_slits,
+    check_unabsorbing,
 };
 use crate::{
     Body, InteriorPlan, LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec,
@@ -71,6 +72,7 @@ pub fn plan_body(
     layers.iter().try_for_each(check_slits)?;
     for pose in poses {
         check_pose(driver, pose)?;
+        check_half(driver, pose, false)?;
         layers
             .iter()
             .try_for_each(|layer| check_growth(layer, pose))?;

@@ -250,13 +250,15 @@ impl PoseStrains {
             .collect()
     }
 
-    /// Faces to simulate, ascending; `creased` are those on lines that fold in the pose.
+    /// Those of the `wanted` faces that are to be simulated, ascending; `creased` are those on lines that fold in the
+    /// pose.
     pub(crate) fn active_faces(
         &self,
         (surface, rest): (&BaseSurface, &PosedSurface),
         (region, presence): (&Region, &Presence),
         wavelength: f64,
         creased: &[FaceId],
+        wanted: &dyn Fn(FaceId) -> bool,
     ) -> Vec<FaceId> {
         let mesh = surface.mesh();
         let allowed = |face: FaceId| {
@@ -286,7 +288,7 @@ impl PoseStrains {
         active
             .iter()
             // Folds and black paint are taken out once more, because growing has taken them in.
-            .filter(|&(face, &on)| on && allowed(face) && !self.folded[face])
+            .filter(|&(face, &on)| on && allowed(face) && !self.folded[face] && wanted(face))
             .map(|(face, _)| face)
             .collect()
     }

@@ -162,6 +162,7 @@ mod tests {
             steps: 6,
             motions: Vec::new(),
             growths: Vec::new(),
+            half: false,
         };
         let least = Load {
             onset: 1.0,

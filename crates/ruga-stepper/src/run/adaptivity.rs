@@ -203,7 +203,7 @@ impl SizingRequest {
         let places = interpolation.places();
         let region = layer.region();
         let too_coarse =
-            region.fraction_too_coarse(layer.skin(), places, &self.strains(), &self.settings);
+            region.fraction_too_coarse(layer.skin(), &places, &self.strains(), &self.settings);
         Ok(too_coarse.map_err(|source| remesh_error(&layer.spec, source))? <= TOLERATED)
     }
 

@@ -187,7 +187,7 @@ impl Layer {
         // A driver goes on beyond the layer, and holds its border; on a body nothing does.
         let pinned = match &interior {
             Some(_) => PerVertex::filled(rest.positions.len(), false),
-            None => skin.mesh.border_vertices(),
+            None => skin.held(),
         };
         let stiffness = tangential.map(|springs| springs.stiffness);
         let properties = SkinProperties::new(spec, wrinkling, stiffness, driver, &skin)?;
@@ -196,7 +196,10 @@ impl Layer {
         let surface = (rest.positions.as_slice(), rest.normals.as_slice());
         let (mesh, held) = (&skin.mesh, pinned.as_slice());
         let energy = match &upper {
-            None => LayerEnergy::with_bending(mesh, surface.0, parameters, held, bending),
+            None => {
+                let at_rest = (mesh, surface.0, held);
+                LayerEnergy::half(at_rest, &skin.on_plane, parameters, bending)
+            }
             Some(upper) => {
                 let above = upper.sheet(surface, mesh.face_count());
                 LayerEnergy::pair((mesh, surface.0, held), parameters, above, bending)
@@ -345,6 +348,7 @@ impl Layer {
             // which is far stiffer than the layer is in bending.
             self.positions[v.index()] += normal * height;
         }
+        self.stay_on_plane();
     }
 
     /// Displacement of every vertex from the surface below, m.

@@ -206,7 +206,11 @@ impl<'a> StackRun<'a> {
         let offset = plan.stacking.attachments[index].offset;
         let on = (piece, plan.modelling.smoothing, offset);
         let spec = with_folding_lines(&plan.stacking.specs[index], &layer.creases);
-        RegionMesh::new(&plan.driver, &spec, on, &mut || preparing.goes_on())
+        let region = RegionMesh::new(&plan.driver, &spec, on, &mut || preparing.goes_on())?;
+        Ok(match self.spec().half {
+            true => region.halved(&plan.driver),
+            false => region,
+        })
     }
 
     /// Sizing that layer number `index` asks for on its region.

@@ -1,5 +1,7 @@
 //! The rows that keep a layer's large shape on the surface below.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Vector3;
 use ruga_blend::Driver;
 use ruga_constraint::{
@@ -10,6 +12,7 @@ use ruga_solver::ConstraintRows;
 
 use crate::skin::local_skin::SkinProperties;
 use crate::skin::material_places::uv;
+use crate::skin::mirror::Mirrored;
 use crate::skin::place::{ShapeCentres, place_of_points};
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{Coupling, LayerSpec, StepperError};
@@ -22,6 +25,9 @@ const HYBRID_SPACING: f64 = 1.5;
 const CONSTRAINT_SPACING: f64 = 0.577_350_269_189_625_8;
 /// A row is dropped when less than this fraction of its weight is on vertices that move.
 const MIN_FREE_WEIGHT: f64 = 0.2;
+/// A row across the plane where one half of a symmetric pose ends is dropped when what its two sides leave of each
+/// other is less than this fraction of its weight.
+const LEAST_ROW: f64 = 1e-2;
 
 /// A place around which the layer's average is held, the same on every mesh of the skin.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +112,14 @@ pub(crate) fn low_pass_rows(
     pinned: &PerVertex<bool>,
     free: &[VertexId],
 ) -> Result<LowPassRows, StepperError> {
-    let set = rows_around((spec, sample), centres, skin)?;
+    // Averages near the plane where one half of a symmetric pose ends are taken beyond it, too.
+    let mirrored = match centres.is_empty() {
+        true => None,
+        false => skin.mirrored(),
+    };
+    let own = mirrored.as_ref().map_or(usize::MAX, Mirrored::own_count);
+    let original = |v: VertexId| mirrored.as_ref().map_or(v, |m| m.originals[v.index()]);
+    let set = rows_around((spec, sample), centres, (skin, mirrored.as_ref()))?;
     let mut low_pass = LowPassRows {
         rows: ConstraintRows::none(3 * free.len()),
         degraded: Vec::new(),
@@ -122,11 +135,12 @@ pub(crate) fn low_pass_rows(
     let (mut starts, mut columns, mut values) = (vec![0], Vec::new(), Vec::new());
     for row in &set.rows {
         // Pinned vertices lie on their targets, so their part of the average is right already.
-        let moving: Vec<(usize, f64)> = row
+        let moving: Vec<(usize, f64, bool)> = row
             .weights
             .iter()
-            .filter(|(v, _)| !pinned[*v])
-            .filter_map(|&(v, w)| unknown[v].map(|u| (u, w)))
+            .map(|&(v, w)| (original(v), w, v.index() >= own))
+            .filter(|(v, ..)| !pinned[*v])
+            .filter_map(|(v, w, is_image)| unknown[v].map(|u| (u, w, is_image)))
             .collect();
         // Without pinned vertices a row is kept whatever its weights sum to: those of other methods
         // than averages may sum to zero. A row of nothing would make the system singular.
@@ -138,14 +152,34 @@ pub(crate) fn low_pass_rows(
         if set.degraded.iter().any(|(centre, _)| *centre == row.centre) {
             // A row has no position. Its heaviest vertex is what the warning names a place by.
             let heaviest = row.weights.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-            low_pass.degraded.extend(heaviest.map(|(v, _)| *v));
+            low_pass
+                .degraded
+                .extend(heaviest.map(|(v, _)| original(*v)));
         }
         // All three components are held. Along the surface too, or excess length would move from
         // one wrinkle to the next, which nothing in a wrinkled membrane opposes.
         for axis in 0..3 {
-            columns.extend(moving.iter().map(|(u, _)| u + axis));
-            values.extend(moving.iter().map(|(_, w)| w));
-            starts.push(columns.len());
+            if mirrored.is_none() {
+                columns.extend(moving.iter().map(|(u, ..)| u + axis));
+                values.extend(moving.iter().map(|(_, w, _)| w));
+                starts.push(columns.len());
+                continue;
+            }
+            let is_across = axis == 0;
+            let mut sums: BTreeMap<usize, f64> = BTreeMap::new();
+            for &(u, w, is_image) in &moving {
+                // What is on the plane does not move across it, and an image against its original.
+                if is_across && skin.on_plane[free[u / 3].index()] {
+                    continue;
+                }
+                let sign = if is_across && is_image { -1.0 } else { 1.0 };
+                *sums.entry(u + axis).or_default() += sign * w;
+            }
+            if sums.values().map(|w| w.abs()).sum::<f64>() > LEAST_ROW * weight {
+                columns.extend(sums.keys());
+                values.extend(sums.values());
+                starts.push(columns.len());
+            }
         }
     }
     let rows = ConstraintRows::new(starts, columns, values, 3 * free.len());
@@ -156,30 +190,26 @@ pub(crate) fn low_pass_rows(
     Ok(low_pass)
 }
 
-/// Averages around `centres`.
+/// Averages around `centres`, on the mesh with its mirror image where it is given.
 fn rows_around(
     (spec, sample): (&LayerSpec, SampleConstraints),
     centres: &[RowCentre],
-    skin: &SkinMesh,
+    (skin, mirrored): (&SkinMesh, Option<&Mirrored>),
 ) -> Result<ConstraintSet, StepperError> {
     if centres.is_empty() {
         return Ok(ConstraintSet::default());
     }
-    let SkinMesh { mesh, rest, .. } = skin;
-    let lookup = SurfaceLookup::new(mesh, &rest.positions);
+    let (mesh, positions, normals) = match mirrored {
+        None => (&skin.mesh, &skin.rest.positions, &skin.rest.normals),
+        Some(whole) => (&whole.mesh, &whole.positions, &whole.normals),
+    };
+    let lookup = SurfaceLookup::new(mesh, positions);
     let (places, kernels): (Vec<MaterialPoint>, Vec<Kernel>) = centres
         .iter()
         .filter_map(|centre| Some((lookup.closest(&centre.at)?.point, centre.kernel)))
         .unzip();
-    sample(
-        mesh,
-        &rest.positions,
-        &rest.normals,
-        &places,
-        &kernels,
-        spec.sampling,
-    )
-    .map_err(|source| constraint(spec, source))
+    sample(mesh, positions, normals, &places, &kernels, spec.sampling)
+        .map_err(|source| constraint(spec, source))
 }
 
 fn constraint(spec: &LayerSpec, source: ConstraintError) -> StepperError {

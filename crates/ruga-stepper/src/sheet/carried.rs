@@ -56,6 +56,7 @@ impl SheetState<'_> {
             offset: 0.0,
             faces: Arc::clone(region.shown_faces()),
             uvs: Arc::clone(region.shown_uvs()),
+            on_plane: Arc::default(),
             artist: Arc::clone(region.artist()),
             computed: ComputedMesh::new(driver, &self.meshed.skin, &self.moving.positions),
             face_states: None,

@@ -19,7 +19,7 @@ use super::field_grid::FieldGrid;
 use super::meshed::holders;
 use super::zones::Zone;
 use crate::error::Halt;
-use crate::skin::interpolation::{Interpolation, places_on};
+use crate::skin::interpolation::{Interpolation, Values, places_on};
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::{LayerSpec, StepperError};
 
@@ -105,7 +105,7 @@ impl Fitting {
     ) -> Option<(Self, SkinMesh)> {
         let skin = region.placed(driver, &mesh, goes_on)?;
         let fitting = Self {
-            places: places_on(&skin, &region.skin, goes_on)?,
+            places: places_on(&skin, None, &region.skin, goes_on)?,
             is_fine: zones.iter().map(|zone| *zone != Zone::Quiet).collect(),
             at_rest,
             lengths,
@@ -207,7 +207,7 @@ impl Fitting {
             let prepared = made.and_then(|made| made.prepared(&mut || true));
             prepared.expect("nothing ends it early")
         });
-        let [there] = smooth.apply([values]);
+        let [there] = smooth.apply([Values::Vectors(values)]);
         there
     }
 }

@@ -16,8 +16,8 @@ use crate::plan::surface_measures::faces_within;
 use crate::skin::skin_mesh::sharp_map;
 use crate::support::obstacle;
 use crate::validation::{
-    check_bends, check_growth, check_layer, check_map_size, check_modelling, check_pose,
-    check_sheet_layer, check_sheet_pose,
+    check_bends, check_growth, check_half, check_layer, check_map_size, check_modelling,
+    check_pose, check_sheet_layer, check_sheet_pose,
 };
 use crate::{LayerPlan, LayerSpec, LoadPath, Modelling, Plan, PosePlan, PoseSpec, StepperError};
 
@@ -63,6 +63,7 @@ pub fn plan_sheet(
     check_sheet_layer(layer)?;
     for pose in poses {
         check_pose(driver, pose)?;
+        check_half(driver, pose, false)?;
         check_sheet_pose(pose)?;
         check_growth(layer, pose)?;
         check_bends(layer, pose, modelling.bending)?;

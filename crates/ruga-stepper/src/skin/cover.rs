@@ -7,7 +7,8 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_mesh::{
-    Id, LimitPoints, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, limit_rows,
+    Id, LimitPoints, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh,
+    limit_rows,
 };
 
 use crate::skin::fading::faded_from;
@@ -15,6 +16,7 @@ use crate::skin::folds_below::{FoldBelow, folds_below};
 use crate::skin::identity::Mark;
 use crate::skin::interpolation::through_vertices;
 use crate::skin::material_places::is_on_border;
+use crate::skin::mirror::Mirrored;
 use crate::skin::skin_mesh::SkinMesh;
 
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
@@ -34,6 +36,8 @@ pub(crate) struct Cover {
     limit: LimitPoints,
     /// Limit surface of the lower layer at its own vertices.
     at_vertices: SparseRows,
+    /// The lower layer's mesh with its mirror image, of one half of a symmetric pose.
+    mirrored: Option<Mirrored>,
     /// Per covered vertex the fold of the lower layer that it lies close to.
     folds: Vec<Option<FoldBelow>>,
     /// Per covered vertex the upper mesh's tangents at rest, as columns, in the lower one's.
@@ -42,7 +46,12 @@ pub(crate) struct Cover {
 
 impl Cover {
     fn new(driver: &Driver, skin: &SkinMesh, lower: &SkinMesh, rim: f64) -> Self {
-        let places = places_above(skin, lower);
+        let mirrored = lower.mirrored();
+        let (mesh, rest) = match &mirrored {
+            None => (&lower.mesh, &lower.rest.positions),
+            Some(whole) => (&whole.mesh, &whole.positions),
+        };
+        let places = places_above(skin, (mesh, rest));
         let beside: Vec<bool> = places.iter().map(Option::is_none).collect();
         let weights = faded_from(&skin.mesh, &skin.rest.positions, &beside, rim);
         let (vertices, inside): (Vec<u32>, Vec<MaterialPoint>) = (0..)
@@ -50,19 +59,20 @@ impl Cover {
             .filter_map(|(vertex, place)| Some((vertex, place?)))
             .unzip();
         let folds = folds_below(lower, &inside, rim);
-        let corners = PerVertex::filled(lower.mesh.vertex_count(), false);
-        let surface = LoopSurface::new(&lower.mesh, &corners);
+        let corners = PerVertex::filled(mesh.vertex_count(), false);
+        let surface = LoopSurface::new(mesh, &corners);
         let limit = LimitPoints::new(surface, inside, &mut || true).expect("nothing ends it early");
-        let rest = skin.points.derivatives(driver.rest());
-        let planes = limit.planes(&lower.rest.positions);
+        let along = skin.points.derivatives(driver.rest());
+        let planes = limit.planes(rest);
         let tangents = vertices.iter().zip(&planes).map(|(&vertex, plane)| {
-            let columns = rest[vertex as usize].map(|tangent| coordinates(&tangent, &plane.first));
+            let columns = along[vertex as usize].map(|tangent| coordinates(&tangent, &plane.first));
             Matrix2::from_columns(&columns)
         });
         Self {
             tangents: tangents.collect(),
             folds,
-            at_vertices: limit_rows(&lower.mesh, &corners).position,
+            at_vertices: limit_rows(mesh, &corners).position,
+            mirrored,
             limit,
             weights: vertices.iter().map(|&v| weights[v as usize]).collect(),
             vertices,
@@ -85,11 +95,14 @@ impl Cover {
         &self.folds
     }
 
-    /// Interpolates values at the lower layer's vertices to every covered vertex, with their
+    /// Interpolates vectors at the lower layer's vertices to every covered vertex, with their
     /// derivatives along the upper mesh's own tangents.
     pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 3] {
         // The limit surface alone loses some per cent of a wave, which would be missing in the map.
-        let control = through_vertices(&self.at_vertices, values);
+        let control = match &self.mirrored {
+            None => through_vertices(&self.at_vertices, values),
+            Some(mirrored) => through_vertices(&self.at_vertices, &mirrored.vectors(values)),
+        };
         let planes = self.limit.planes(&control);
         let along = |column: usize| {
             let firsts = planes.iter().map(|plane| plane.first).zip(&self.tangents);
@@ -144,9 +157,12 @@ fn coordinates(tangent: &Vector3<f64>, [u, v]: &[Vector3<f64>; 2]) -> Vector2<f6
 }
 
 /// The place of the layer below under every vertex, where there is one.
-fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>> {
-    let lookup = SurfaceLookup::new(&lower.mesh, &lower.rest.positions);
-    let border = lower.mesh.border_vertices();
+fn places_above(
+    skin: &SkinMesh,
+    (mesh, rest): (&TriMesh, &[Vector3<f64>]),
+) -> Vec<Option<MaterialPoint>> {
+    let lookup = SurfaceLookup::new(mesh, rest);
+    let border = mesh.border_vertices();
     let positions = skin.rest.positions.par_iter();
     let vertices = positions
         .zip(&skin.rest.normals)
@@ -154,14 +170,14 @@ fn places_above(skin: &SkinMesh, lower: &SkinMesh) -> Vec<Option<MaterialPoint>>
     vertices
         .map(|(x, normal)| {
             let point = lookup.closest(x)?.point;
-            let away = x - point.interpolate(&lower.mesh, &lower.rest.positions);
+            let away = x - point.interpolate(mesh, rest);
             let sideways = away - normal * normal.dot(&away);
-            let [a, b, _] = lower.mesh.faces()[point.face].map(|v| v.index());
-            let edge = lower.rest.positions[b] - lower.rest.positions[a];
+            let [a, b, _] = mesh.faces()[point.face].map(|v| v.index());
+            let edge = rest[b] - rest[a];
             // Over the layer below the way to the closest place goes along the normal. Beside it
             // the closest place lies on its border, with a way sideways.
             let is_beside = sideways.norm() > BESIDE * edge.norm();
-            (!is_beside || !is_on_border(&lower.mesh, &border, &point)).then_some(point)
+            (!is_beside || !is_on_border(mesh, &border, &point)).then_some(point)
         })
         .collect()
 }

@@ -1,5 +1,7 @@
 //! Smooth interpolation from one mesh of the skin to another.
 
+use std::borrow::Cow;
+
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use ruga_mesh::{
@@ -8,6 +10,7 @@ use ruga_mesh::{
 };
 
 use crate::skin::fans::open_along;
+use crate::skin::mirror::Mirrored;
 use crate::skin::skin_mesh::SkinMesh;
 use line_shift::LineShift;
 
@@ -36,11 +39,23 @@ const PLACES_AT_ONCE: usize = 64;
 /// smooth as the limit, without its loss of amplitude.
 #[derive(Clone, Debug)]
 pub(crate) struct Interpolation {
-    /// The vertex with the value of every control point: those on creases have one for each side.
+    /// The vertex with the value of every control point: those on creases have one for each side, and those of a mirror
+    /// image that of their originals.
     copied: Vec<VertexId>,
+    /// The mesh with its mirror image, of one half of a symmetric pose.
+    mirrored: Option<Box<Mirrored>>,
     at_vertices: SparseRows,
     limit: Limit,
     places: Vec<MaterialPoint>,
+}
+
+/// What is known at the vertices of a mesh.
+#[derive(Clone, Copy)]
+pub(crate) enum Values<'a> {
+    /// Vectors, which a mirror reflects.
+    Vectors(&'a [Vector3<f64>]),
+    /// Three numbers each, which it leaves as they are.
+    Numbers(&'a [Vector3<f64>]),
 }
 
 /// The limit surface at the places.
@@ -60,7 +75,18 @@ impl Interpolation {
         to: &SkinMesh,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
-        let places = places_on(from, to, goes_on)?;
+        let mirrored = from.mirrored().map(Box::new);
+        let places = places_on(from, mirrored.as_deref(), to, goes_on)?;
+        if let Some(mirrored) = mirrored {
+            let mesh = mirrored.mesh.clone();
+            return Some(Self {
+                at_vertices: limit_rows(&mesh, &no_corners(&mesh)).position,
+                copied: mirrored.originals.clone(),
+                mirrored: Some(mirrored),
+                limit: Limit::Mesh(Box::new(mesh)),
+                places,
+            });
+        }
         // Across a crease slopes jump: the sides are smooth surfaces with one border curve.
         let creases = from.creases.iter().map(|crease| crease.edge);
         let (faces, copied) = open_along(&from.mesh, creases);
@@ -68,6 +94,7 @@ impl Interpolation {
         Some(Self {
             at_vertices: limit_rows(&opened, &no_corners(&opened)).position,
             copied,
+            mirrored: None,
             limit: Limit::Mesh(Box::new(opened)),
             places,
         })
@@ -95,17 +122,25 @@ impl Interpolation {
     }
 
     /// Material points on the one mesh of the vertices of the other.
-    pub(crate) fn places(&self) -> &[MaterialPoint] {
-        &self.places
+    pub(crate) fn places(&self) -> Cow<'_, [MaterialPoint]> {
+        match &self.mirrored {
+            None => Cow::Borrowed(&self.places),
+            Some(mirrored) => {
+                let places = self.places.iter();
+                places.map(|place| mirrored.original_place(place)).collect()
+            }
+        }
     }
 
     /// Several sets of values at the vertices of the one mesh, at those of the other.
-    pub(crate) fn apply<const K: usize>(
-        &self,
-        values: [&[Vector3<f64>]; K],
-    ) -> [Vec<Vector3<f64>>; K] {
+    pub(crate) fn apply<const K: usize>(&self, values: [Values<'_>; K]) -> [Vec<Vector3<f64>>; K] {
         let controls = values.map(|values| {
-            let values: Vec<_> = self.copied.iter().map(|v| values[v.index()]).collect();
+            let values: Vec<_> = match (values, &self.mirrored) {
+                (Values::Vectors(own), Some(mirrored)) => mirrored.vectors(own),
+                (Values::Vectors(own) | Values::Numbers(own), _) => {
+                    self.copied.iter().map(|v| own[v.index()]).collect()
+                }
+            };
             through_vertices(&self.at_vertices, &values)
         });
         match &self.limit {
@@ -190,16 +225,21 @@ pub(crate) fn through_vertices(
     control
 }
 
-/// The place of `layer` under every vertex of `region`, both at rest.
+/// The place of `layer` under every vertex of `region`, both at rest; on the layer with its mirror image, where it is
+/// given.
 ///
 /// Found from neighbour to neighbour along the region, so that parts that touch are not confused, and on the
 /// same side of creases; `None` as soon as `goes_on` says no.
 pub(crate) fn places_on(
     layer: &SkinMesh,
+    mirrored: Option<&Mirrored>,
     region: &SkinMesh,
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<MaterialPoint>> {
-    let lookup = SurfaceLookup::new(&layer.mesh, &layer.rest.positions);
+    let lookup = match mirrored {
+        None => SurfaceLookup::new(&layer.mesh, &layer.rest.positions),
+        Some(mirrored) => SurfaceLookup::new(&mirrored.mesh, &mirrored.positions),
+    };
     let mesh = &region.mesh;
     let LineShift { shifts, on_line } = LineShift::new(layer, region);
     let positions = region.rest.positions.iter().zip(&shifts);
@@ -288,7 +328,7 @@ mod tests {
         let prepared = made().prepared(&mut || true).expect("nothing ends it");
         let wave = |p: &Vector3<f64>| p * (3.0 * p.x).sin();
         let values: Vec<_> = coarse.rest.positions.iter().map(wave).collect();
-        let sets = [values.as_slice(), &coarse.rest.positions];
+        let sets = [values.as_slice(), &coarse.rest.positions].map(Values::Vectors);
         assert!(made().apply(sets) == prepared.apply(sets));
         assert!(made().prepared(&mut || false).is_none());
     }

@@ -38,7 +38,7 @@ impl ReliefWeights {
     ) -> Result<Self, StepperError> {
         let points = skin.points.points();
         let outline = driver.topology().border_vertices();
-        let border = skin.mesh.border_vertices();
+        let border = skin.held();
         let is_cut: Vec<bool> = points
             .iter()
             .zip(border.as_slice())

@@ -17,6 +17,7 @@ use crate::skin::crease_cut::{Creased, cut_along_creases};
 use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
 use crate::skin::fans::open_along;
 use crate::skin::identity::Identity;
+use crate::skin::mirror::on_plane;
 use crate::skin::piece::{Piece, blend};
 use crate::{ArtistPlace, LayerSpec, StepperError};
 
@@ -45,6 +46,8 @@ pub(crate) struct SkinMesh {
     pub(crate) beside: Vec<(FaceId, Vector2<f64>)>,
     /// Edges on crease lines.
     pub(crate) creases: Vec<CreaseEdge>,
+    /// Whether every vertex lies on the plane at which one half of a symmetric pose ends; empty without such a plane.
+    pub(crate) on_plane: Vec<bool>,
     /// Identity of the mesh; copies share it.
     pub(crate) identity: Identity,
 }
@@ -65,6 +68,7 @@ impl SkinMesh {
             points,
             beside: Vec::new(),
             creases: Vec::new(),
+            on_plane: Vec::new(),
             identity: Identity::default(),
         };
         Some(on_driver.lifted(offset))
@@ -78,9 +82,9 @@ impl SkinMesh {
         self
     }
 
-    /// Whether some vertex is not on the border, which a driver holds.
+    /// Whether some vertex is not held by the driver.
     pub(crate) fn has_inner_vertices(&self) -> bool {
-        self.mesh.border_vertices().as_slice().contains(&false)
+        self.held().as_slice().contains(&false)
     }
 
     /// The vertices' indices at the corners of every triangle.
@@ -122,6 +126,8 @@ pub(crate) struct RegionMesh {
     opened: Option<Vec<VertexId>>,
     smoothing: Smoothing,
     offset: f64,
+    /// Whether it is one half of a symmetric pose.
+    is_half: bool,
 }
 
 /// Whether `piece`, the region that `layer` covers, can be made to follow its map.
@@ -229,7 +235,15 @@ impl RegionMesh {
             origins,
             smoothing,
             offset,
+            is_half: false,
         })
+    }
+
+    /// The region as one half of a symmetric pose, whose skin goes on beyond the plane `x = 0`.
+    pub(crate) fn halved(mut self, driver: &Driver) -> Self {
+        self.is_half = true;
+        self.skin.on_plane = on_plane(driver, &self.skin.mesh, self.skin.points.points());
+        self
     }
 
     /// The corners of every triangle as results number them: vertices on creases once for each side.
@@ -325,9 +339,14 @@ impl RegionMesh {
         let beside = self.beside(driver, made, &creases);
         let places = (made.mesh.clone(), points.as_slice());
         let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on)?;
+        let on_plane = match self.is_half {
+            true => on_plane(driver, &skin.mesh, &points),
+            false => Vec::new(),
+        };
         Some(SkinMesh {
             beside,
             creases,
+            on_plane,
             ..skin
         })
     }

@@ -153,6 +153,7 @@ pub(crate) fn pose(motions: Vec<Motion>, keys: &[f64], steps: u32) -> PoseSpec {
         steps,
         motions,
         growths: Vec::new(),
+        half: false,
     }
 }
 

@@ -76,6 +76,7 @@ pub(crate) fn pose(steps: u32) -> PoseSpec {
         steps,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }
 }
 

@@ -103,6 +103,7 @@ pub(crate) fn pose(driver: &Driver, shape: &str, weight: f64) -> PoseSpec {
         steps: 4,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }
 }
 

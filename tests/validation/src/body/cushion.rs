@@ -165,6 +165,7 @@ impl Cushion {
             steps: self.steps,
             motions: vec![self.presses()],
             growths: Vec::new(),
+            half: false,
         };
         Ok(plan_body(
             driver,

@@ -151,6 +151,7 @@ impl Slab {
             steps,
             motions,
             growths: Vec::new(),
+            half: false,
         };
         let layer = skin_of(self.materials(), self.coupling);
         let plan = plan_body(&driver, &[layer], &self.body(), &[pose], &modelling, 1024)?;

@@ -13,7 +13,7 @@ use crate::StepperError;
 use crate::run::strain_ratio::{
     applied, driven_strains, first_felt, green_strain, relative_to_growth,
 };
-use crate::skin::interpolation::Interpolation;
+use crate::skin::interpolation::{Interpolation, Values};
 use crate::skin::relief::turn_between;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::SupportSurface;
@@ -64,11 +64,21 @@ impl Layer {
             self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
         }
         self.base = base;
+        self.stay_on_plane();
         self.support = support;
         self.measure_strains();
         self.fractions = fractions;
         self.absorb()?;
         self.hold()
+    }
+
+    /// Keeps the vertices where one half of a symmetric pose ends on that plane, whatever was interpolated or turned.
+    pub(super) fn stay_on_plane(&mut self) {
+        let vertices = self.positions.iter_mut().zip(&self.base);
+        let on_plane = vertices.zip(&self.skin.on_plane).filter(|(_, on)| **on);
+        for ((x, base), _) in on_plane {
+            x.x = base.x;
+        }
     }
 
     /// Measures what the surface below asks of the layer.
@@ -306,11 +316,15 @@ impl Layer {
             .into_iter()
             .map(|mean| Vector3::new(mean, 0.0, 0.0))
             .collect();
-        let [deviations, at_vertices] = interpolation.apply([&other.deviations(), &at_vertices]);
+        let [deviations, at_vertices] = interpolation.apply([
+            Values::Vectors(&other.deviations()),
+            Values::Numbers(&at_vertices),
+        ]);
         for v in &self.free {
             let i = v.index();
             self.positions[i] = self.base[i] + deviations[i];
         }
+        self.stay_on_plane();
         let faces = self.skin.mesh.faces();
         let mean = |corners: &[VertexId; 3]| {
             corners

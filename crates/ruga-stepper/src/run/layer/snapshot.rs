@@ -7,6 +7,7 @@ use ruga_blend::{Driver, PosedSurface};
 use ruga_mesh::{FaceId, vertex_means};
 
 use super::Layer;
+use crate::skin::interpolation::Values;
 use crate::skin::quiet::{VertexDemand, wrinkled_shares};
 use crate::skin::relief::{ReliefWeights, shown_positions};
 use crate::skin::skin_mesh::SkinMesh;
@@ -48,6 +49,7 @@ impl Layer {
             faces: Arc::clone(region.shown_faces()),
             uvs: Arc::clone(region.shown_uvs()),
             artist: Arc::clone(region.artist()),
+            on_plane: region.skin.on_plane.as_slice().into(),
             computed,
             face_states: None,
             burnt: None,
@@ -74,7 +76,7 @@ impl Layer {
         let deviations = match self.interpolation() {
             None => deviations,
             Some(interpolation) => {
-                let [deviations] = interpolation.apply([&deviations]);
+                let [deviations] = interpolation.apply([Values::Vectors(&deviations)]);
                 deviations
             }
         };
@@ -119,7 +121,8 @@ impl Layer {
         let values = values.map(|d| Vector3::new(d.strain_ratio, d.wavelength, d.turn));
         let values: Vec<_> = values.collect();
         // Both at once: most of the work on a place serves all that is known there.
-        let [deviations, values] = interpolation.apply([&deviations, &values]);
+        let both = [Values::Vectors(&deviations), Values::Numbers(&values)];
+        let [deviations, values] = interpolation.apply(both);
         let demand = |value: Vector3<f64>| VertexDemand {
             strain_ratio: value.x,
             wavelength: value.y,

@@ -83,6 +83,7 @@ fn still(driver: &Driver) -> PoseSpec {
         steps: 1,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }
 }
 

@@ -78,5 +78,6 @@ pub(super) fn pose(steps: u32) -> PoseSpec {
         steps,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     }
 }

@@ -171,6 +171,7 @@ fn nearest_edges(skin: &SkinMesh, sources: &BTreeMap<VertexId, Source>) -> Vec<O
 
 #[cfg(test)]
 mod tests {
+    use crate::skin::interpolation::Values;
     use std::f64::consts::TAU;
 
     use nalgebra::{Matrix3, Vector2};
@@ -256,7 +257,9 @@ mod tests {
             Vector3::z() * (-FLANK * (-off.abs() / FLANK).exp())
         };
         let values: Vec<_> = fitted.rest.positions.iter().map(height).collect();
-        let [found] = transfer.expect("nobody interrupts").apply([&values]);
+        let [found] = transfer
+            .expect("nobody interrupts")
+            .apply([Values::Vectors(&values)]);
         let LineShift { shifts, on_line } = LineShift::new(&fitted, &region.skin);
         let most = shifts.iter().map(Vector3::norm).fold(0.0, f64::max) / length;
         assert!(most > 0.015, "the chords are off by {most}");

@@ -119,6 +119,7 @@ fn run(width: f64, edge: Option<f64>, steps: u32) -> Result<LargeRun, Box<dyn Er
         steps,
         motions: Vec::new(),
         growths: Vec::new(),
+        half: false,
     };
     let modelling = Modelling {
         dynamics: Some(Dynamics {

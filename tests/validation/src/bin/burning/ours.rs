@@ -98,6 +98,7 @@ impl Film<'_> {
             steps: u32::try_from(*last)?,
             motions: self.motions,
             growths: Vec::new(),
+            half: false,
         };
         let modelling = Modelling {
             dynamics: Some(Dynamics {
