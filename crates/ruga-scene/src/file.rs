@@ -139,7 +139,8 @@ pub struct Driver {
     #[serde(default)]
     pub smoothing: Smoothing,
     /// `"x"` for a mesh that is its own mirror image at x = 0, in the axes of its file: of a left and a right
-    /// pose in one run `ruga bake` simulates one and mirrors the maps for the other.
+    /// pose in one run `ruga bake` simulates one and mirrors the maps for the other, and of a pose that mirrors itself
+    /// one half.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub symmetry: Option<Symmetry>,
     /// Vertices of one layer above which a run is refused.

@@ -94,6 +94,12 @@ impl ScenePlan {
         self.images.is_image(pose)
     }
 
+    /// Whether one half of pose number `pose` is simulated, because it is its own mirror image; what the plan tells of
+    /// it is of that half.
+    pub fn is_half(&self, pose: usize) -> bool {
+        self.images.is_half(pose)
+    }
+
     /// The `result` of pose number `from` as that of `to`, which is made of the same simulation
     /// ([`Self::first_alike`]); a mirror image has no [`ComputedMesh`](ruga_stepper::ComputedMesh).
     ///
@@ -132,8 +138,8 @@ impl ScenePlan {
         triangles
     }
 
-    /// Simulates pose number `pose`, one zone after the other; a mirror image has no
-    /// [`ComputedMesh`](ruga_stepper::ComputedMesh).
+    /// Simulates pose number `pose`, one zone after the other; a mirror image, and a pose of which one half is
+    /// simulated, have no [`ComputedMesh`](ruga_stepper::ComputedMesh).
     ///
     /// # Errors
     /// Those of [`Plan::simulate`], such as a number that no pose has.

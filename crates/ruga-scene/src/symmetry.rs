@@ -12,6 +12,9 @@ use crate::mirror::sorted;
 const ON_THE_OTHER_SIDE: &str =
     "; that is on the other side, of which this pose is made as the mirror image";
 
+/// End of a warning about a pose of which one half is simulated.
+const OF_ONE_HALF: &str = "; that is of one half of the pose, and the other is its mirror image";
+
 /// Assignment of the poses of a plan to simulations.
 #[derive(Default)]
 pub(crate) struct PoseImages {
@@ -101,12 +104,7 @@ impl PoseImages {
 
     /// Says in a plan's warnings about mirrored poses where their places are.
     pub(crate) fn reword(&self, warnings: &mut [String]) {
-        for (pose, name) in self
-            .names
-            .iter()
-            .enumerate()
-            .filter(|(pose, _)| self.is_image[*pose])
-        {
+        for (pose, name) in self.names.iter().enumerate() {
             let start = format!("pose '{name}'");
             for warning in warnings.iter_mut().filter(|text| text.starts_with(&start)) {
                 *warning = self.told(warning, [pose, pose]);
@@ -118,7 +116,13 @@ impl PoseImages {
     pub(crate) fn own(&self, pose: usize, simulated: PoseResult) -> PoseResult {
         match &self.mirror {
             Some(_) if self.is_image(pose) => self.turned(&simulated, [pose, pose]),
-            Some(mirror) if self.is_half(pose) => doubled(mirror, simulated),
+            Some(mirror) if self.is_half(pose) => {
+                let mut both = doubled(mirror, simulated);
+                for warning in &mut both.warnings {
+                    *warning = self.told(warning, [pose, pose]);
+                }
+                both
+            }
             _ => simulated,
         }
     }
@@ -157,15 +161,17 @@ impl PoseImages {
 
     /// A warning about one pose as one about another.
     fn told(&self, warning: &str, [from, to]: [usize; 2]) -> String {
-        let text = warning.strip_suffix(ON_THE_OTHER_SIDE).unwrap_or(warning);
+        let ends = [ON_THE_OTHER_SIDE, OF_ONE_HALF].into_iter();
+        let text = ends.fold(warning, |text, end| text.strip_suffix(end).unwrap_or(text));
         let about = |pose: usize| format!("pose '{}'", self.names[pose]);
         let renamed = match text.strip_prefix(&about(from)) {
             Some(rest) => about(to) + rest,
             None => text.to_owned(),
         };
-        match self.is_image(to) {
-            true => renamed + ON_THE_OTHER_SIDE,
-            false => renamed,
+        match (self.is_image(to), self.is_half(to)) {
+            (true, _) => renamed + ON_THE_OTHER_SIDE,
+            (_, true) => renamed + OF_ONE_HALF,
+            _ => renamed,
         }
     }
 }

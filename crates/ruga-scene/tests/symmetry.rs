@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use ruga_bake::{Coverage, WrinkleMap};
-use ruga_scene::{Scene, SceneError};
+use ruga_scene::{Scene, SceneError, ScenePlan};
 use ruga_stepper::{PoseResult, Silent};
 
 /// The cheeks of the face alone, with two poses of the left side and one of the right.
@@ -26,6 +26,25 @@ fn scene(folder: &Path, poses: &str) -> Result<Scene, SceneError> {
 
 fn pose(name: &str, weights: &str) -> String {
     format!("[[poses]]\nname = \"{name}\"\nweights = {{ {weights} }}\nkeys = [1.0]\n")
+}
+
+/// Sum of squared slopes in one map, and the largest difference of its normals from the mirror image of another's.
+fn difference(left: &WrinkleMap, right: &WrinkleMap) -> (f64, f64) {
+    let size = left.size as usize;
+    let covered = |map: &WrinkleMap, texel: usize| map.coverage[texel] == Coverage::Covered;
+    let (mut squares, mut worst) = (0.0, 0.0_f64);
+    for texel in 0..size * size {
+        let opposite = texel / size * size + (size - 1 - texel % size);
+        if !covered(left, texel) || !covered(right, opposite) {
+            continue;
+        }
+        let [x, y, z] = left.normals[texel].map(f64::from);
+        let [u, v, w] = right.normals[opposite].map(f64::from);
+        let difference = (x + u).powi(2) + (y - v).powi(2) + (z - w).powi(2);
+        squares += x * x + y * y;
+        worst = worst.max(difference.sqrt());
+    }
+    (squares, worst)
 }
 
 /// The right smile is made of the left one, its map is the left one's mirror image, and it costs nothing.
@@ -63,21 +82,40 @@ fn a_right_pose_is_the_mirror_image_of_the_left() {
         tiles.swap_remove(0)
     };
     let (right, left) = (baked(0, &result), baked(2, &other));
-    let size = left.size as usize;
-    let covered = |map: &WrinkleMap, texel: usize| map.coverage[texel] == Coverage::Covered;
-    let (mut squares, mut worst) = (0.0, 0.0_f64);
-    for texel in 0..size * size {
-        let opposite = texel / size * size + (size - 1 - texel % size);
-        if !covered(&left, texel) || !covered(&right, opposite) {
-            continue;
-        }
-        let [x, y, z] = left.normals[texel].map(f64::from);
-        let [u, v, w] = right.normals[opposite].map(f64::from);
-        let difference = (x + u).powi(2) + (y - v).powi(2) + (z - w).powi(2);
-        squares += x * x + y * y;
-        worst = worst.max(difference.sqrt());
-    }
+    let (squares, worst) = difference(&left, &right);
     // Where the map is only padded, ties go to the first neighbour, which is another one on the other side.
+    assert!(squares > 1.0, "{squares}");
+    assert!(worst < 1e-4, "{worst}");
+}
+
+/// Of a pose that mirrors itself one half is simulated, and its map is its own mirror image; lips part at the plane.
+#[test]
+fn a_pose_that_mirrors_itself_is_made_of_one_half() {
+    let folder = tempfile::tempdir().unwrap();
+    let weights = "mouthSmileLeft = 0.8, mouthSmileRight = 0.8, mouthPucker = 0.3";
+    let poses = [pose("both", weights), pose("left", "mouthSmileLeft = 0.8")];
+    let scene = scene(folder.path(), &poses.concat()).unwrap();
+    let plan = scene.plan().unwrap();
+    assert_eq!([0, 1].map(|pose| plan.is_half(pose)), [true, false]);
+    let as_posed = Scene {
+        mirror: None,
+        ..scene.clone()
+    };
+    let whole = as_posed.plan().unwrap();
+    let planned = |plan: &ScenePlan| plan.pose_layers(0)[0].vertices as f64;
+    let ratio = planned(&plan) / planned(&whole);
+    assert!((ratio - 0.5).abs() < 0.1, "{ratio}");
+
+    let result = plan.simulate(0, &mut Silent).unwrap();
+    assert!(result.converged, "{:?}", result.warnings);
+    let surface = &result.keys[0].layers[0];
+    let right = surface.positions.iter().filter(|x| x.x > 0.0).count();
+    let left = surface.positions.iter().filter(|x| x.x < 0.0).count();
+    assert!(left == right && left > 100, "{left} {right}");
+    assert!(surface.on_plane.is_empty());
+    let mut tiles = scene.bake_key(&scene.poses[0], &result.keys[0]).unwrap();
+    let map = tiles.swap_remove(0);
+    let (squares, worst) = difference(&map, &map);
     assert!(squares > 1.0, "{squares}");
     assert!(worst < 1e-4, "{worst}");
 }

@@ -59,7 +59,6 @@
 //!     steps: 3,
 //!     motions: Vec::new(),
 //!     growths: Vec::new(),
-//!,
 //!     half: false,
 //! }];
 //!

@@ -28,6 +28,7 @@ use crate::plan::planning_surface::PlanningSurface;
 use crate::plan::pose_plan::PlannedLayer;
 use crate::plan::stacking::Stacking;
 use crate::plan::warnings::{never_fold_warnings, never_wrinkle_warnings};
+use crate::skin::mirror::Plane;
 use crate::skin::piece::Piece;
 use crate::skin::refined::{Refined, in_all_directions, refined};
 use crate::skin::skin_mesh::{check_boundaries, sharp_map};
@@ -132,10 +133,10 @@ impl Plan {
 
     /// The part of the base surface that `layer` is simulated on, its edges up to `coarseness` times as long as its
     /// results need where they may be wrinkled, in any direction, and the same as fine as its shape alone asks for;
-    /// `None` as soon as `goes_on` says no.
+    /// `None` as soon as `goes_on` says no. Of `is_half` the part with positive x.
     pub(crate) fn layer_pieces(
         &self,
-        (layer, coarseness): (&LayerPlan, f64),
+        (layer, is_half, coarseness): (&LayerPlan, bool, f64),
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<(Piece, Refined)> {
         // Splitting begins at the driver's own triangles, because the layer may be coarser or finer
@@ -167,9 +168,14 @@ impl Plan {
             let parts = parts.take_while(|(part, _)| *part >> shift == own);
             parts.map(|(_, edge)| *edge).fold(f64::INFINITY, f64::min)
         };
-        let faces = base.mesh().faces().ids();
+        let faces: Vec<FaceId> = base.mesh().faces().ids().collect();
+        let (piece, faces) = match is_half {
+            true => Plane::of(driver).right_of(driver, Piece::of(&base)),
+            false => (Piece::of(&base), faces),
+        };
+        let faces = faces.into_iter();
         let measures = faces.map(|face| in_all_directions(coarseness * longest(face)));
-        refined(driver, Piece::of(&base), &measures.collect(), goes_on)
+        refined(driver, piece, &measures.collect(), goes_on)
     }
 
     /// Refuses maps with sharp boundaries that the layers' meshes cannot follow.
@@ -179,7 +185,12 @@ impl Plan {
                 continue;
             }
             let mut checked: Vec<&LayerPlan> = Vec::new();
-            for layer in self.poses.iter().map(|pose| &pose.layers[index]) {
+            for (layer, pose) in self
+                .poses
+                .iter()
+                .map(|pose| &pose.layers[index])
+                .zip(&self.specs)
+            {
                 // Poses often share a region, and looking for boundaries means splitting all of it
                 // anew.
                 let is_same = |other: &&LayerPlan| {
@@ -188,7 +199,7 @@ impl Plan {
                         && other.output_edges == layer.output_edges
                 };
                 if !layer.region.is_empty() && !checked.iter().any(is_same) {
-                    let pieces = self.layer_pieces((layer, 1.0), &mut || true);
+                    let pieces = self.layer_pieces((layer, pose.half, 1.0), &mut || true);
                     let (piece, _) = pieces.expect("nothing ends it early");
                     check_boundaries(&self.driver, piece, spec)?;
                     checked.push(layer);

@@ -297,16 +297,14 @@ pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
     check_keys(&of, &pose.keys)
 }
 
-/// Refuses one half of a pose that has to be simulated whole: where `is_plain` does not hold, or the driver is not cut
-/// by the plane between the halves.
+/// Refuses one half of a pose that has to be simulated whole: where `is_plain` does not hold, or the pose moves
+/// what lies between the halves.
 pub(crate) fn check_half(driver: &Driver, pose: &PoseSpec, is_plain: bool) -> Checked {
     if !pose.half || is_plain && can_be_halved(driver, &pose.weights) {
         return Ok(());
     }
     let accepted = match is_plain {
-        true => {
-            "false, because edges of the mesh do not run along the plane x = 0 at rest and in the pose"
-        }
+        true => "false, because not all that lies on the plane x = 0 at rest does so in the pose",
         false => {
             "false but for layers on a driver, one on the other and without creases and growths"
         }

@@ -110,8 +110,13 @@ fn whole(half: &PoseSpec) -> PoseSpec {
 /// Wavelength, amplitude and energy are those of the whole, and wrinkles pass the plane without a kink.
 #[test]
 fn a_half_is_half_of_the_whole() {
-    let driver = driver();
-    for coupling in [Coupling::Elastic, Coupling::Hybrid] {
+    // Of an odd number of columns the plane cuts the middle one.
+    for (cells, coupling) in [
+        (12, Coupling::Elastic),
+        (12, Coupling::Hybrid),
+        (11, Coupling::Hybrid),
+    ] {
+        let driver = driver_of(cells);
         let layers = [skin("forehead-furrow", coupling)];
         let pose = half(&driver, "across");
         let all = simulated(&driver, &layers, whole(&pose));
@@ -121,7 +126,7 @@ fn a_half_is_half_of_the_whole() {
         let is_near = |(ratio, most): (&f64, f64)| (ratio - 1.0).abs() < most;
         assert!(
             pairs.clone().all(|(r, m)| is_near((r, m))),
-            "{coupling:?} {found:?}"
+            "{cells} {coupling:?} {found:?}"
         );
         let surface = &own.keys[0].layers[0];
         let pairs = surface.positions.iter().zip(surface.on_plane.iter());
@@ -129,7 +134,7 @@ fn a_half_is_half_of_the_whole() {
         assert!(on_plane.len() > 12, "{} vertices", on_plane.len());
         assert!(on_plane.iter().all(|(x, _)| x.x.abs() < 1e-9));
         let [most, across] = slopes(surface);
-        assert!(across < 0.05 * most, "{across} of {most}");
+        assert!(across < 0.1 * most, "{across} of {most}");
     }
 }
 
@@ -202,14 +207,7 @@ fn what_cannot_be_halved_is_refused() {
     assert!(!can_be_halved(&driver, &weights("aside")));
     let (name, accepted) = refusal(&driver, "aside", &draft());
     assert_eq!(name, "half");
-    assert!(
-        accepted.contains("x = 0 at rest and in the pose"),
-        "{accepted}"
-    );
-    // Of an odd number of columns the middle one lies on the plane.
-    let crossed = driver_of(11);
-    let (_, accepted) = refusal(&crossed, "across", &draft());
-    assert!(accepted.contains("edges of the mesh"), "{accepted}");
+    assert!(accepted.contains("lies on the plane x = 0"), "{accepted}");
     let joint = Modelling {
         stack: Stack::Joint,
         ..draft()

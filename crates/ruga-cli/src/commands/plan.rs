@@ -56,10 +56,24 @@ fn draw(arguments: &PlanArguments, scene: &Scene, plan: &ScenePlan) -> Result<()
     Ok(())
 }
 
-/// Poses that are made of the simulation of others, in words.
+/// Poses that are made of the simulation of others, or of half of one, in words.
 fn alike(scene: &Scene, plan: &ScenePlan) -> Vec<String> {
     let poses = (0..scene.poses.len()).map(|pose| (pose, plan.first_alike(pose)));
-    let shared = poses.filter(|(pose, first)| pose != first);
+    let shared = poses.clone().filter(|(pose, first)| pose != first);
+    let halves = poses.filter(|(pose, _)| plan.is_half(*pose));
+    let halves: Vec<String> = halves
+        .map(|(pose, _)| format!("`{}`", scene.poses[pose].name))
+        .collect();
+    let of_halves = match halves.as_slice() {
+        [] => None,
+        [one] => Some(format!(
+            "{one} mirrors itself: `ruga bake` simulates one half, whose numbers these are"
+        )),
+        many => Some(format!(
+            "{} mirror themselves: `ruga bake` simulates one half of each, whose numbers these are",
+            many.join(", ")
+        )),
+    };
     shared
         .map(|(pose, first)| {
             let [own, other] = [pose, first].map(|number| &scene.poses[number].name);
@@ -69,6 +83,7 @@ fn alike(scene: &Scene, plan: &ScenePlan) -> Vec<String> {
             };
             format!("`{own}` and `{other}` are {what}: `ruga bake` makes both of one simulation")
         })
+        .chain(of_halves)
         .collect()
 }
 

@@ -24,7 +24,7 @@ use crate::plan::surface_measures::{
 use crate::plan::warnings::PosedPlan;
 use crate::run::adaptivity::COARSEST;
 use crate::skin::local_skin::wrinkling_on_face;
-use crate::skin::mirror::is_right;
+use crate::skin::mirror::Plane;
 use crate::skin::place::ShapeCentres;
 use crate::skin::skin_mesh::OUTPUT_SLACK;
 use crate::{
@@ -267,9 +267,10 @@ impl<'a> PlanningSurface<'a> {
         let folding = creased.in_pose(layer, pose, pose_strains);
         let creased: Vec<FaceId> = folding.iter().flat_map(|line| line.faces.clone()).collect();
         let on = (&self.surface, &self.rest);
+        let plane = pose.half.then(|| Plane::of(self.driver));
         let wanted = |face: FaceId| {
-            let whole = self.surface.ancestor(face, 0) as usize;
-            !pose.half || is_right(self.driver, FaceId::from_index(whole))
+            let whole = FaceId(self.surface.ancestor(face, 0) as u32);
+            plane.is_none_or(|plane| plane.has_right_part(self.driver, whole))
         };
         let active = pose_strains.active_faces(on, where_to, longest, &creased, &wanted);
         let quantile = |field: &PerFace<f64>, fraction: f64| {

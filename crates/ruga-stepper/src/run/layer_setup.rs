@@ -172,9 +172,9 @@ impl<'a> StackRun<'a> {
         preparing: &mut Preparing<'_>,
     ) -> Result<(RegionMesh, Refined), Halt> {
         let plan = self.plan;
-        let layer = &plan.poses[self.pose].layers[index];
-        let (fine, from) =
-            preparing.while_wanted(|goes_on| plan.layer_pieces((layer, coarseness), goes_on))?;
+        let (layer, is_half) = (&plan.poses[self.pose].layers[index], self.spec().half);
+        let (fine, from) = preparing
+            .while_wanted(|goes_on| plan.layer_pieces((layer, is_half, coarseness), goes_on))?;
         Ok((self.region(index, fine, preparing)?, from))
     }
 

@@ -82,7 +82,7 @@ impl Plan {
         let mut preparing = Preparing::new(observer, 0, Phase::Sampling);
         let layer = &self.poses[pose].layers[0];
         let (piece, _) =
-            preparing.while_wanted(|goes_on| self.layer_pieces((layer, 1.0), goes_on))?;
+            preparing.while_wanted(|goes_on| self.layer_pieces((layer, false, 1.0), goes_on))?;
         let on = (piece, self.modelling.smoothing, 0.0);
         let spec = &self.stacking.specs[0];
         let region = RegionMesh::new(&self.driver, spec, on, &mut || preparing.goes_on())?;

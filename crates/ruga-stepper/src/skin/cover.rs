@@ -14,7 +14,7 @@ use ruga_mesh::{
 use crate::skin::fading::faded_from;
 use crate::skin::folds_below::{FoldBelow, folds_below};
 use crate::skin::identity::Mark;
-use crate::skin::interpolation::through_vertices;
+use crate::skin::interpolation::{places_of_limit, through_vertices};
 use crate::skin::material_places::is_on_border;
 use crate::skin::mirror::Mirrored;
 use crate::skin::skin_mesh::SkinMesh;
@@ -58,8 +58,19 @@ impl Cover {
             .zip(places)
             .filter_map(|(vertex, place)| Some((vertex, place?)))
             .unzip();
-        let folds = folds_below(lower, &inside, rim);
         let corners = PerVertex::filled(mesh.vertex_count(), false);
+        let at_vertices = limit_rows(mesh, &corners).position;
+        let inside = match lower.creases.is_empty() {
+            true => {
+                let above = vertices.iter().map(|&v| skin.rest.positions[v as usize]);
+                let above: Vec<_> = above.collect();
+                let on = (mesh, rest.as_slice(), &at_vertices);
+                places_of_limit(on, inside, &above, &mut || true).expect("nothing ends it early")
+            }
+            // They say on which side of a fold a vertex lies.
+            false => inside,
+        };
+        let folds = folds_below(lower, &inside, rim);
         let surface = LoopSurface::new(mesh, &corners);
         let limit = LimitPoints::new(surface, inside, &mut || true).expect("nothing ends it early");
         let along = skin.points.derivatives(driver.rest());
@@ -71,7 +82,7 @@ impl Cover {
         Self {
             tangents: tangents.collect(),
             folds,
-            at_vertices: limit_rows(mesh, &corners).position,
+            at_vertices,
             mirrored,
             limit,
             weights: vertices.iter().map(|&v| weights[v as usize]).collect(),

@@ -21,6 +21,9 @@ mod line_shift;
 /// leaves 0.2 % of it, more would bring back what is as short as the edges and no wrinkle.
 const INTERPOLATION_STEPS: usize = 1;
 
+/// Corrections of places towards those of the limit surface; the first takes most of the way.
+const PLACING_STEPS: usize = 2;
+
 /// Places found, or interpolated at, between two questions whether to go on.
 const PLACES_AT_A_TIME: usize = 20_000;
 
@@ -78,14 +81,18 @@ impl Interpolation {
         let mirrored = from.mirrored().map(Box::new);
         let places = places_on(from, mirrored.as_deref(), to, goes_on)?;
         if let Some(mirrored) = mirrored {
-            let mesh = mirrored.mesh.clone();
+            let originals = mirrored.originals.clone();
+            let faces = (mirrored.mesh.clone(), mirrored.positions.clone());
+            let made = Self::smooth(faces, originals, (places, to), goes_on)?;
             return Some(Self {
-                at_vertices: limit_rows(&mesh, &no_corners(&mesh)).position,
-                copied: mirrored.originals.clone(),
                 mirrored: Some(mirrored),
-                limit: Limit::Mesh(Box::new(mesh)),
-                places,
+                ..made
             });
+        }
+        if from.creases.is_empty() {
+            let own = (0..from.mesh.vertex_count()).map(VertexId::from_index);
+            let faces = (from.mesh.clone(), from.rest.positions.clone());
+            return Self::smooth(faces, own.collect(), (places, to), goes_on);
         }
         // Across a crease slopes jump: the sides are smooth surfaces with one border curve.
         let creases = from.creases.iter().map(|crease| crease.edge);
@@ -96,6 +103,26 @@ impl Interpolation {
             copied,
             mirrored: None,
             limit: Limit::Mesh(Box::new(opened)),
+            places,
+        })
+    }
+
+    /// Transfer from a mesh without creases, at rest at these positions, to the vertices of `to`, which have these
+    /// `places` on its faces.
+    fn smooth(
+        (mesh, rest): (TriMesh, Vec<Vector3<f64>>),
+        copied: Vec<VertexId>,
+        (places, to): (Vec<MaterialPoint>, &SkinMesh),
+        goes_on: &mut dyn FnMut() -> bool,
+    ) -> Option<Self> {
+        let at_vertices = limit_rows(&mesh, &no_corners(&mesh)).position;
+        let on = (&mesh, rest.as_slice(), &at_vertices);
+        let places = places_of_limit(on, places, &to.rest.positions, goes_on)?;
+        Some(Self {
+            at_vertices,
+            copied,
+            mirrored: None,
+            limit: Limit::Mesh(Box::new(mesh)),
             places,
         })
     }
@@ -203,6 +230,39 @@ fn limit_in_parts<const K: usize>(
         }
     }
     limits
+}
+
+/// The places at which the limit surface through a mesh at rest passes `wanted` positions most closely, from those at
+/// which its faces do; `None` as soon as `goes_on` says no.
+///
+/// Where edges differ in length the limit surface lies beside the place of the faces that it belongs to, by some
+/// hundredths of an edge. Read there, the flank of a wrinkle would be as rough as edges are irregular.
+pub(crate) fn places_of_limit(
+    (mesh, rest, at_vertices): (&TriMesh, &[Vector3<f64>], &SparseRows),
+    mut places: Vec<MaterialPoint>,
+    wanted: &[Vector3<f64>],
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<Vec<MaterialPoint>> {
+    let control = through_vertices(at_vertices, rest);
+    let lookup = SurfaceLookup::new(mesh, rest);
+    for _ in 0..PLACING_STEPS {
+        if !goes_on() {
+            return None;
+        }
+        let [reached] = limit_in_parts(mesh, &places, [&control], FACES_AT_A_TIME);
+        let moved = places.par_iter_mut().zip(reached).zip(wanted);
+        moved
+            .with_min_len(PLACES_AT_ONCE)
+            .for_each(|((place, reached), wanted)| {
+                let way = wanted - reached;
+                let target = place.interpolate(mesh, rest) + way;
+                let found = lookup.closest_near(place.face, &target, 2.0 * way.norm());
+                if let Some(found) = found {
+                    *place = found.point;
+                }
+            });
+    }
+    Some(places)
 }
 
 /// Deviations from a smooth surface are smooth, so that no vertex is a corner.

@@ -2,106 +2,113 @@
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, Weights};
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerFace, PerVertex, TriMesh, VertexId};
+use ruga_mesh::{Edge, FaceId, Id, MaterialPoint, PerVertex, TriMesh, VertexId};
 
+use crate::skin::piece::Piece;
 use crate::skin::skin_mesh::SkinMesh;
 
 /// How far from the plane a vertex on it may be, in sizes of the mesh: 30 µm on a head.
 const ON_PLANE: f64 = 1e-4;
 
-/// Weight up to which a corner off the plane does not take a place off it.
-const NO_WEIGHT: f64 = 1e-6;
-
-/// Whether a pose with these weights can be simulated on one side of the plane `x = 0` alone: the mesh has edges all
-/// along that plane, and neither at rest nor in the pose do their ends leave it.
+/// Whether a pose with these weights can be simulated on one side of the plane `x = 0` alone: no face of the mesh lies in
+/// that plane, and what lies on it at rest, vertices or places of edges, does so in the pose.
 ///
 /// Whether the two sides are alike is not asked.
 pub fn can_be_halved(driver: &Driver, weights: &Weights) -> bool {
-    let on_plane = plane_vertices(driver);
+    let plane = Plane::of(driver);
     let (topology, rest) = (driver.topology(), driver.rest());
-    let is_clean = |(face, corners): (FaceId, &[VertexId; 3])| {
-        let right = is_right(driver, face);
-        let is_beyond = |v: &VertexId| !on_plane[*v] && (rest[v.index()].x > 0.0) != right;
-        !corners.iter().any(is_beyond) && !corners.iter().all(|v| on_plane[*v])
-    };
     let posed = driver.pose(weights);
-    let most = ON_PLANE * extent(rest);
-    let stays = |v: VertexId| [rest, &posed].map(|x| x[v.index()].x.abs() <= most) == [true; 2];
-    let on_both_sides = |faces: [Option<FaceId>; 2]| match faces {
-        [Some(a), Some(b)] => is_right(driver, a) != is_right(driver, b),
-        _ => false,
-    };
-    let mut edges = topology.edges().as_slice().iter();
-    let is_halved = on_plane.as_slice().contains(&true)
-        && topology.faces().iter().all(is_clean)
-        && on_plane.ids().filter(|v| on_plane[*v]).all(stays);
-    // An edge between two such vertices that does not run along the plane would be glued to its own image.
-    is_halved
-        && edges
-            .all(|edge| !edge.vertices.iter().all(|v| on_plane[*v]) || on_both_sides(edge.faces))
-}
-
-/// Whether a face lies on the side that is simulated.
-pub(crate) fn is_right(driver: &Driver, face: FaceId) -> bool {
-    let corners = driver.topology().faces()[face];
-    corners
-        .iter()
-        .map(|v| driver.rest()[v.index()].x)
-        .sum::<f64>()
-        > 0.0
-}
-
-/// The driver's vertices with faces on both sides.
-fn plane_vertices(driver: &Driver) -> PerVertex<bool> {
-    let topology = driver.topology();
-    let right: PerFace<bool> = topology
-        .faces()
-        .ids()
-        .map(|f| is_right(driver, f))
-        .collect();
-    let is_between = |v: VertexId| {
-        let faces = topology.vertex_faces(v);
-        faces.iter().any(|f| right[*f]) && !faces.iter().all(|f| right[*f])
-    };
-    let all = PerVertex::filled(topology.vertex_count(), ());
-    all.ids().map(is_between).collect()
-}
-
-/// The longest side of the box around the points, m.
-fn extent(points: &[Vector3<f64>]) -> f64 {
-    let mut bounds = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
-    for point in points {
-        bounds = [bounds[0].inf(point), bounds[1].sup(point)];
-    }
-    (bounds[1] - bounds[0]).max()
-}
-
-/// Whether every vertex of a mesh of one half, at these places of the driver, lies on the plane where that half ends;
-/// empty when none does.
-pub(super) fn on_plane(driver: &Driver, mesh: &TriMesh, places: &[MaterialPoint]) -> Vec<bool> {
-    let between = plane_vertices(driver);
-    let border = mesh.border_vertices();
-    let is_on = |(place, on_border): (&MaterialPoint, &bool)| {
-        let corners = driver.topology().faces()[place.face].iter();
-        let off = corners
-            .zip(place.barycentric)
-            .filter(|(v, _)| !between[**v]);
-        *on_border && off.map(|(_, weight)| weight).sum::<f64>() < NO_WEIGHT
-    };
-    let mut on: Vec<bool> = places.iter().zip(border.as_slice()).map(is_on).collect();
-    for edge in mesh
-        .edges()
-        .as_slice()
-        .iter()
-        .filter(|edge| !edge.is_border())
-    {
+    let is_on = |x: f64| x.abs() <= plane.reach;
+    let stays = |edge: &Edge| {
         let [a, b] = edge.vertices.map(Id::index);
-        // An edge that cuts the plane's curve short would be glued to its own image.
-        on[b] &= !on[a];
+        let crossing = plane.crossing([rest[a].x, rest[b].x]);
+        let is_kept = |v: usize| !is_on(rest[v].x) || is_on(posed[v].x);
+        let stays = |t: f64| is_on(posed[a].x + t * (posed[b].x - posed[a].x));
+        is_kept(a) && is_kept(b) && crossing.is_none_or(stays)
+    };
+    let mut faces = topology.faces().as_slice().iter();
+    faces.all(|face| !face.iter().all(|v| is_on(rest[v.index()].x)))
+        && topology.edges().as_slice().iter().all(stays)
+}
+
+/// The plane `x = 0`, at which one half of a driver ends.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Plane {
+    /// Distance up to which a place counts as on it, m.
+    reach: f64,
+}
+
+impl Plane {
+    pub(crate) fn of(driver: &Driver) -> Self {
+        let mut bounds = [f64::INFINITY, f64::NEG_INFINITY].map(Vector3::repeat);
+        for point in driver.rest() {
+            bounds = [bounds[0].inf(point), bounds[1].sup(point)];
+        }
+        Self {
+            reach: ON_PLANE * (bounds[1] - bounds[0]).max(),
+        }
     }
-    match on.contains(&true) {
-        true => on,
-        false => Vec::new(),
+
+    /// Whether a face of the driver has a part on the side that is simulated.
+    pub(crate) fn has_right_part(&self, driver: &Driver, face: FaceId) -> bool {
+        let corners = driver.topology().faces()[face];
+        corners
+            .iter()
+            .any(|v| driver.rest()[v.index()].x > self.reach)
+    }
+
+    /// Fraction of the way at which an edge between these x (m) crosses the plane.
+    fn crossing(&self, [a, b]: [f64; 2]) -> Option<f64> {
+        let crosses = a.abs().min(b.abs()) > self.reach && (a > 0.0) != (b > 0.0);
+        crosses.then(|| a / (a - b))
+    }
+
+    /// The part of a piece on the side that is simulated, and the face of the piece that each of its faces is a part of.
+    pub(crate) fn right_of(&self, driver: &Driver, mut piece: Piece) -> (Piece, Vec<FaceId>) {
+        let mut positions = piece.flat_positions(driver);
+        let edges = piece.mesh.edges().as_slice().iter();
+        let crossings =
+            edges.map(|edge| self.crossing(edge.vertices.map(|v| positions[v.index()].x)));
+        let places: Vec<Option<f64>> = crossings.collect();
+        let parents = piece.split(&places, &mut positions).parents;
+        let is_right =
+            |corners: &[VertexId; 3]| corners.iter().any(|v| positions[v.index()].x > self.reach);
+        let faces = piece.mesh.faces().iter();
+        let right: Vec<FaceId> = faces
+            .filter(|(_, corners)| is_right(corners))
+            .map(|(face, _)| face)
+            .collect();
+        let parents = right.iter().map(|face| parents[face.index()]).collect();
+        (piece.part(&right), parents)
+    }
+
+    /// Whether every vertex of a mesh of one half, at these places of the driver, lies on the plane where that half ends;
+    /// empty when none does.
+    pub(super) fn holds(
+        &self,
+        driver: &Driver,
+        mesh: &TriMesh,
+        places: &[MaterialPoint],
+    ) -> Vec<bool> {
+        let border = mesh.border_vertices();
+        let is_on = |(place, on_border): (&MaterialPoint, &bool)| {
+            *on_border && place.interpolate(driver.topology(), driver.rest()).x.abs() <= self.reach
+        };
+        let mut on: Vec<bool> = places.iter().zip(border.as_slice()).map(is_on).collect();
+        for edge in mesh
+            .edges()
+            .as_slice()
+            .iter()
+            .filter(|edge| !edge.is_border())
+        {
+            let [a, b] = edge.vertices.map(Id::index);
+            // An edge that cuts the plane's curve short would be glued to its own image.
+            on[b] &= !on[a];
+        }
+        match on.contains(&true) {
+            true => on,
+            false => Vec::new(),
+        }
     }
 }
 

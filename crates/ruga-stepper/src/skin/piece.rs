@@ -46,6 +46,19 @@ impl Piece {
         }
     }
 
+    /// Some of its faces, ascending, with one fan of faces around every vertex.
+    pub(crate) fn part(&self, faces: &[FaceId]) -> Self {
+        let part = self.mesh.submesh(faces);
+        let (mesh, copied) = one_fan_per_vertex(&part.mesh);
+        let vertices = copied.iter().map(|v| part.vertices[*v]);
+        Self {
+            mesh,
+            points: vertices.map(|v| self.points[v.index()]).collect(),
+            origins: faces.iter().map(|face| self.origins[*face]).collect(),
+            uvs: faces.iter().map(|face| self.uvs[face.index()]).collect(),
+        }
+    }
+
     /// Positions of the vertices on the driver's flat facets at rest, m.
     pub(crate) fn flat_positions(&self, driver: &Driver) -> Vec<Vector3<f64>> {
         let place = |point: &MaterialPoint| point.interpolate(driver.topology(), driver.rest());

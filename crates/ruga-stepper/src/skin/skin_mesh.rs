@@ -17,7 +17,7 @@ use crate::skin::crease_cut::{Creased, cut_along_creases};
 use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
 use crate::skin::fans::open_along;
 use crate::skin::identity::Identity;
-use crate::skin::mirror::on_plane;
+use crate::skin::mirror::Plane;
 use crate::skin::piece::{Piece, blend};
 use crate::{ArtistPlace, LayerSpec, StepperError};
 
@@ -242,7 +242,8 @@ impl RegionMesh {
     /// The region as one half of a symmetric pose, whose skin goes on beyond the plane `x = 0`.
     pub(crate) fn halved(mut self, driver: &Driver) -> Self {
         self.is_half = true;
-        self.skin.on_plane = on_plane(driver, &self.skin.mesh, self.skin.points.points());
+        let (mesh, places) = (&self.skin.mesh, self.skin.points.points());
+        self.skin.on_plane = Plane::of(driver).holds(driver, mesh, places);
         self
     }
 
@@ -340,7 +341,7 @@ impl RegionMesh {
         let places = (made.mesh.clone(), points.as_slice());
         let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on)?;
         let on_plane = match self.is_half {
-            true => on_plane(driver, &skin.mesh, &points),
+            true => Plane::of(driver).holds(driver, &skin.mesh, &points),
             false => Vec::new(),
         };
         Some(SkinMesh {
