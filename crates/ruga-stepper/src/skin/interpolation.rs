@@ -3,38 +3,30 @@
 use std::borrow::Cow;
 
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use ruga_mesh::{
-    FaceId, Id, LoopSurface, MaterialPoint, PerFace, PerVertex, SparseRows, SurfaceLookup, TriMesh,
-    VertexId, limit_rows,
+    FaceId, Id, LoopSurface, MaterialPoint, PerFace, PerVertex, SparseRows, TriMesh, VertexId,
+    limit_rows,
 };
 
 use crate::skin::fans::open_along;
 use crate::skin::mirror::Mirrored;
 use crate::skin::skin_mesh::SkinMesh;
-use line_shift::LineShift;
 
 mod line_shift;
+mod places;
+
+pub(crate) use places::{places_of_limit, places_on};
 
 /// Corrections of control points towards a limit surface that passes through the vertices. The
 /// limit alone loses some 4 % of a wave's amplitude at 12 points per wavelength; one correction
 /// leaves 0.2 % of it, more would bring back what is as short as the edges and no wrinkle.
 const INTERPOLATION_STEPS: usize = 1;
 
-/// Corrections of places towards those of the limit surface; the first takes most of the way.
-const PLACING_STEPS: usize = 2;
-
 /// Places found, or interpolated at, between two questions whether to go on.
 const PLACES_AT_A_TIME: usize = 20_000;
 
-/// Parts of a region whose first place is looked for on all faces of the layer; for more a tree is built.
-const FEW_PARTS: usize = 8;
-
 /// Faces whose limit surface is prepared at a time, 1 kB each.
 const FACES_AT_A_TIME: usize = 16_384;
-
-/// Places that a thread looks for at least.
-const PLACES_AT_ONCE: usize = 64;
 
 /// Smooth interpolation of what is known at a mesh's vertices.
 ///
@@ -232,39 +224,6 @@ fn limit_in_parts<const K: usize>(
     limits
 }
 
-/// The places at which the limit surface through a mesh at rest passes `wanted` positions most closely, from those at
-/// which its faces do; `None` as soon as `goes_on` says no.
-///
-/// Where edges differ in length the limit surface lies beside the place of the faces that it belongs to, by some
-/// hundredths of an edge. Read there, the flank of a wrinkle would be as rough as edges are irregular.
-pub(crate) fn places_of_limit(
-    (mesh, rest, at_vertices): (&TriMesh, &[Vector3<f64>], &SparseRows),
-    mut places: Vec<MaterialPoint>,
-    wanted: &[Vector3<f64>],
-    goes_on: &mut dyn FnMut() -> bool,
-) -> Option<Vec<MaterialPoint>> {
-    let control = through_vertices(at_vertices, rest);
-    let lookup = SurfaceLookup::new(mesh, rest);
-    for _ in 0..PLACING_STEPS {
-        if !goes_on() {
-            return None;
-        }
-        let [reached] = limit_in_parts(mesh, &places, [&control], FACES_AT_A_TIME);
-        let moved = places.par_iter_mut().zip(reached).zip(wanted);
-        moved
-            .with_min_len(PLACES_AT_ONCE)
-            .for_each(|((place, reached), wanted)| {
-                let way = wanted - reached;
-                let target = place.interpolate(mesh, rest) + way;
-                let found = lookup.closest_near(place.face, &target, 2.0 * way.norm());
-                if let Some(found) = found {
-                    *place = found.point;
-                }
-            });
-    }
-    Some(places)
-}
-
 /// Deviations from a smooth surface are smooth, so that no vertex is a corner.
 fn no_corners(mesh: &TriMesh) -> PerVertex<bool> {
     PerVertex::filled(mesh.vertex_count(), false)
@@ -283,93 +242,6 @@ pub(crate) fn through_vertices(
         }
     }
     control
-}
-
-/// The place of `layer` under every vertex of `region`, both at rest; on the layer with its mirror image, where it is
-/// given.
-///
-/// Found from neighbour to neighbour along the region, so that parts that touch are not confused, and on the
-/// same side of creases; `None` as soon as `goes_on` says no.
-pub(crate) fn places_on(
-    layer: &SkinMesh,
-    mirrored: Option<&Mirrored>,
-    region: &SkinMesh,
-    goes_on: &mut dyn FnMut() -> bool,
-) -> Option<Vec<MaterialPoint>> {
-    let lookup = match mirrored {
-        None => SurfaceLookup::new(&layer.mesh, &layer.rest.positions),
-        Some(mirrored) => SurfaceLookup::new(&mirrored.mesh, &mirrored.positions),
-    };
-    let mesh = &region.mesh;
-    let LineShift { shifts, on_line } = LineShift::new(layer, region);
-    let positions = region.rest.positions.iter().zip(&shifts);
-    let targets: PerVertex<Vector3<f64>> = positions.map(|(x, shift)| x + shift).collect();
-    let mut places: PerVertex<Option<MaterialPoint>> = PerVertex::filled(mesh.vertex_count(), None);
-    let mut is_reached = PerVertex::filled(mesh.vertex_count(), false);
-    let (mut parts, mut visited) = (0, 0);
-    for seed in places.ids().collect::<Vec<_>>() {
-        if std::mem::replace(&mut is_reached[seed], true) {
-            continue;
-        }
-        let found = match parts < FEW_PARTS {
-            true => lookup.closest_of_all(&targets[seed]),
-            false => lookup.closest(&targets[seed]),
-        };
-        places[seed] = found.map(|found| found.point);
-        parts += 1;
-        let mut reached = vec![seed];
-        // Ring by ring, each by all threads. Which neighbour a vertex is looked for from follows from the mesh alone.
-        while !reached.is_empty() {
-            visited += reached.len();
-            if visited >= PLACES_AT_A_TIME {
-                visited = 0;
-                if !goes_on() {
-                    return None;
-                }
-            }
-            let mut ring = Vec::new();
-            for (from, near) in reached.iter().filter_map(|&v| Some((v, places[v]?))) {
-                for to in mesh
-                    .vertex_faces(from)
-                    .iter()
-                    .flat_map(|&f| mesh.faces()[f])
-                {
-                    if !std::mem::replace(&mut is_reached[to], true) {
-                        ring.push((near.face, [from, to]));
-                    }
-                }
-            }
-            let looked_for = ring.par_iter().with_min_len(PLACES_AT_ONCE);
-            let found = looked_for
-                .map(|&(start, ends)| place_near(&lookup, start, ends.map(|v| targets[v])));
-            let found: Vec<_> = found.collect();
-            reached = ring.into_iter().map(|(_, [_, to])| to).collect();
-            for (&vertex, place) in reached.iter().zip(found) {
-                places[vertex] = place;
-            }
-        }
-    }
-    // Rounding alone would decide on which side of the line they are.
-    for (v, place) in on_line {
-        places[v] = Some(place);
-    }
-    let anywhere = MaterialPoint::at_corner(FaceId(0), 0);
-    let found = places.into_vec().into_iter();
-    Some(found.map(|place| place.unwrap_or(anywhere)).collect())
-}
-
-fn place_near(
-    lookup: &SurfaceLookup<'_>,
-    start: FaceId,
-    [from, to]: [Vector3<f64>; 2],
-) -> Option<MaterialPoint> {
-    // The reach is twice the edge: on another mesh, whose facets cut corners elsewhere, two
-    // neighbours' places may be farther apart than they are.
-    let reach = 2.0 * (to - from).norm();
-    lookup
-        .closest_near(start, &to, reach)
-        .or_else(|| lookup.closest(&to))
-        .map(|found| found.point)
 }
 
 #[cfg(test)]
@@ -448,6 +320,51 @@ mod tests {
             TriMesh::new(625, faces).expect("a grid"),
             positions.collect(),
         )
+    }
+
+    /// Edges are long and short in turn, as those of a mesh of scattered points are.
+    #[test]
+    fn a_wave_is_read_at_its_own_place() {
+        let (mesh, even) = grid(|i, j| (i + j) % 2 == 0);
+        let along = |x: f64| x + 0.05 * (std::f64::consts::PI * x).cos();
+        let rest: Vec<_> = even
+            .iter()
+            .map(|p| Vector3::new(along(p.x), along(p.y), 0.0))
+            .collect();
+        let places: Vec<_> = mesh
+            .faces()
+            .ids()
+            .map(|face| MaterialPoint {
+                face,
+                barycentric: [0.5, 0.3, 0.2],
+            })
+            .collect();
+        let wanted: Vec<_> = places
+            .iter()
+            .map(|place| place.interpolate(&mesh, &rest))
+            .collect();
+        let at_vertices = limit_rows(&mesh, &no_corners(&mesh)).position;
+        let wave = |p: &Vector3<f64>| Vector3::z() * (TAU * (p.x + 0.5 * p.y) / 12.0).sin();
+        let values: Vec<_> = rest.iter().map(wave).collect();
+        let control = through_vertices(&at_vertices, &values);
+        let error = |places: &[MaterialPoint]| {
+            let [found] = limit_in_parts(&mesh, places, [&control], FACES_AT_A_TIME);
+            let inside = found
+                .iter()
+                .zip(&wanted)
+                .filter(|(_, at)| [at.x, at.y].iter().all(|x| (3.0..21.0).contains(x)));
+            let squares: Vec<f64> = inside
+                .map(|(found, at)| (found - wave(at)).norm_squared())
+                .collect();
+            (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+        };
+        let before = error(&places);
+        let on = (&mesh, rest.as_slice(), &at_vertices);
+        let moved = places_of_limit(on, places.clone(), &wanted, &mut || true);
+        let after = error(&moved.expect("nothing ends it"));
+        assert!(before > 0.01, "{before}");
+        assert!(after < 0.45 * before, "{after} for {before}");
+        assert!(places_of_limit(on, places, &wanted, &mut || false).is_none());
     }
 
     /// Of a wave of 12 edges, the limit through corrected points loses little, the plain one much.
