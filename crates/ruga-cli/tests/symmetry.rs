@@ -64,19 +64,85 @@ fn two_mirror_images_take_one_simulation() {
     }
 }
 
-#[test]
-fn paint_that_differs_between_the_sides_is_told() {
+/// One more pose, of both sides.
+fn folder_with_both() -> Folder {
     let folder = folder();
+    let both = "[[poses]]\nname = \"both\"\nweights = { left = 1.0, right = 1.0 }\nkeys = [0.7, 1.0]\n[bake]";
+    folder.change("scene.toml", "[bake]", both);
+    folder
+}
+
+#[test]
+fn of_a_pose_that_mirrors_itself_one_half_is_simulated() {
+    let folder = folder_with_both();
+    let plan = folder.ruga("plan scene.toml --quality draft").exits(0);
+    let line = "`both` mirrors itself: `ruga bake` simulates one half, whose numbers these are";
+    assert!(plan.stdout.contains(line), "{}", plan.stdout);
+    let plan = folder
+        .ruga("plan scene.toml --quality draft --json")
+        .exits(0);
+    let plan: serde_json::Value = serde_json::from_str(&plan.stdout).unwrap();
+    let halves: Vec<_> = plan["poses"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|pose| pose["half"].as_bool().unwrap())
+        .collect();
+    assert_eq!(halves, [false, false, true]);
+
+    // The same with one thread and two, as the task of a farm, and where a map is missing.
+    let run = "bake scene.toml -o out --quality draft --maps-only --pose both";
+    folder.ruga(&format!("{run} --threads 1")).exits(0);
+    let map = || ["70", "100"].map(|key| folder.read(&format!("out/maps/both_{key}_normal.png")));
+    let first = map();
+    for more in [" --threads 2 --force", " --task", " --resume"] {
+        std::fs::remove_file(folder.path("out/maps/both_100_normal.png")).unwrap();
+        folder.ruga(&format!("{run}{more}")).exits(0);
+        assert_eq!(map(), first, "{more}");
+    }
+}
+
+/// Two layers in one system are solved whole, as is a pose whose sides are painted differently.
+#[test]
+fn what_cannot_be_halved_is_simulated_whole() {
+    let folder = folder_with_both();
+    let second = "variation = 0.0\n[[layers]]\nname = \"upper\"\npreset = \"crows-feet\"";
+    folder.change("scene.toml", "variation = 0.0", second);
+    let is_halved = || {
+        let plan = folder.ruga("plan scene.toml --quality draft").exits(0);
+        plan.stdout.contains("`both` mirrors itself")
+    };
+    assert!(is_halved());
     folder.change(
         "scene.toml",
-        "variation = 0.0",
-        "variation = 0.0\nmask = \"half.png\"",
+        "version = 1",
+        "version = 1\nstack = \"joint\"",
+    );
+    assert!(!is_halved());
+    folder.change("scene.toml", "stack = \"joint\"", "");
+    assert!(is_halved());
+    write_half_mask(&folder);
+    assert!(!is_halved());
+}
+
+/// Paints the first layer on one side alone.
+fn write_half_mask(folder: &Folder) {
+    folder.change(
+        "scene.toml",
+        "preset = \"forehead-furrow\"",
+        "preset = \"forehead-furrow\"\nmask = \"half.png\"",
     );
     let grey: Vec<u8> = (0..16 * 16)
         .map(|i| if i % 16 < 8 { 255 } else { 0 })
         .collect();
     let texels = ruga_io::PngTexels::Grey8(&grey);
     ruga_io::write_png(&folder.path("half.png"), 16, 16, texels).unwrap();
+}
+
+#[test]
+fn paint_that_differs_between_the_sides_is_told() {
+    let folder = folder();
+    write_half_mask(&folder);
     let run = folder.ruga("plan scene.toml --quality draft").exits(0);
     let told = "the mask of layer 'skin' differs between the sides by up to 100 %";
     assert!(run.stderr.contains(told), "{}", run.stderr);

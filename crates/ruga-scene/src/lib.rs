@@ -49,6 +49,7 @@ mod fire;
 mod folds;
 mod growth_presets;
 mod growths;
+mod halves;
 mod kept_places;
 mod mask_image;
 pub mod mesh_size;

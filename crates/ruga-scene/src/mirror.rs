@@ -1,7 +1,6 @@
 //! Correspondence of the two sides of a mesh that is its own mirror image.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BlendShape, Driver, Weights};
@@ -93,10 +92,7 @@ impl Mirror {
     /// its mirror image always the same one. `None` for the other, and for what mirrors itself.
     pub fn source_of(&self, weights: &Weights, driver: &Driver) -> Option<Weights> {
         let names: Vec<&str> = driver.shape_names().collect();
-        let opposite = weights
-            .iter()
-            .map(|(shape, w)| Some((self.shapes[shape]?, w)));
-        let opposite: Vec<(usize, f64)> = opposite.collect::<Option<_>>()?;
+        let opposite = self.opposite_weights(weights)?;
         if sorted(opposite.iter().copied()) >= sorted(weights.iter()) {
             return None;
         }
@@ -108,11 +104,16 @@ impl Mirror {
 
     /// Whether a pose with these weights is its own mirror image.
     pub fn is_own_image(&self, weights: &Weights) -> bool {
-        let opposite = weights
-            .iter()
-            .map(|(shape, w)| Some((self.shapes[shape]?, w)));
-        let opposite: Option<Vec<(usize, f64)>> = opposite.collect();
+        let opposite = self.opposite_weights(weights);
         opposite.is_some_and(|own| sorted(own.into_iter()) == sorted(weights.iter()))
+    }
+
+    /// The weights that are not 0, of the opposite shapes; `None` where one has no such shape.
+    fn opposite_weights(&self, weights: &Weights) -> Option<Vec<(usize, f64)>> {
+        let weights = weights.iter().filter(|(_, w)| *w != 0.0);
+        weights
+            .map(|(shape, w)| Some((self.shapes[shape]?, w)))
+            .collect()
     }
 
     /// Triangles of the file opposite of these, ascending.
@@ -189,63 +190,6 @@ impl Mirror {
             face_states: layer.face_states.clone(),
             computed: ComputedMesh::default(),
             // Sheets are simulated whole.
-            burnt: None,
-        }
-    }
-
-    /// A layer and its mirror image in one, joined where the `half` ends at the plane between them.
-    pub(crate) fn both_halves(&self, half: &LayerSurface) -> LayerSurface {
-        let image = self.image(half);
-        let count = half.positions.len();
-        let is_on_plane = |v: usize| half.on_plane.get(v).copied().unwrap_or(false);
-        // Images of the vertices on the plane are these themselves.
-        let mut next = count;
-        let numbers: Vec<u32> = (0..count)
-            .map(|v| match is_on_plane(v) {
-                true => v as u32,
-                false => {
-                    next += 1;
-                    next as u32 - 1
-                }
-            })
-            .collect();
-        let in_plane = |v: usize, mut x: Vector3<f64>| {
-            if is_on_plane(v) {
-                x.x = 0.0;
-            }
-            x
-        };
-        let points = |own: &[Vector3<f64>], other: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-            let own = own.iter().enumerate().map(|(v, x)| in_plane(v, *x));
-            let other = other.iter().enumerate().filter(|(v, _)| !is_on_plane(*v));
-            own.chain(other.map(|(_, x)| *x)).collect()
-        };
-        let mut driver_normals = points(&half.driver_normals, &image.driver_normals);
-        for normal in &mut driver_normals {
-            *normal = normal.try_normalize(0.0).unwrap_or(*normal);
-        }
-        let faces = image
-            .faces
-            .iter()
-            .map(|face| face.map(|v| numbers[v as usize]));
-        LayerSurface {
-            name: image.name,
-            positions: points(&half.positions, &image.positions),
-            relief: points(&half.relief, &image.relief),
-            driver_positions: points(&half.driver_positions, &image.driver_positions),
-            driver_normals,
-            offset: half.offset,
-            faces: half.faces.iter().copied().chain(faces).collect(),
-            uvs: half.uvs.iter().chain(image.uvs.iter()).copied().collect(),
-            artist: half
-                .artist
-                .iter()
-                .chain(image.artist.iter())
-                .copied()
-                .collect(),
-            on_plane: Arc::default(),
-            face_states: half.face_states.as_ref().map(|states| states.repeat(2)),
-            computed: ComputedMesh::default(),
             burnt: None,
         }
     }

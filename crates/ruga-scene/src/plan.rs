@@ -139,7 +139,7 @@ impl ScenePlan {
     }
 
     /// Simulates pose number `pose`, one zone after the other; a mirror image, and a pose of which one half is
-    /// simulated, have no [`ComputedMesh`](ruga_stepper::ComputedMesh).
+    /// simulated, have no [`ComputedMesh`](ruga_stepper::ComputedMesh), and frames of what is simulated.
     ///
     /// # Errors
     /// Those of [`Plan::simulate`], such as a number that no pose has.

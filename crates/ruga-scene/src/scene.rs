@@ -13,7 +13,7 @@ use ruga_io::{IoError, MeshFile, ObjOptions, read_mesh};
 use ruga_material::UvTile;
 use ruga_stepper::{
     BYTES_PER_TEXEL, Body, Fire, LatticeError, LayerSpec, Modelling, PoseSpec, Region, Sheet,
-    StepperError, plan, plan_body, plan_sheet,
+    Stack, StepperError, plan, plan_body, plan_sheet,
 };
 
 use crate::creases::{CreasedMesh, add_creases, texel_warning};
@@ -138,7 +138,14 @@ impl Scene {
 
     fn planned(&self) -> Result<ScenePlan, StepperError> {
         let (driver, modelling) = (&self.driver, &self.modelling);
-        let (images, poses) = PoseImages::new(self.mirror.as_ref(), driver, &self.poses);
+        // Of paint that differs one half would be lost, and two layers in one system are solved whole.
+        let is_alike = |mirror: &Arc<Mirror>| {
+            let differs = mirror.warnings(&self.layers, Some(&self.modelling.region));
+            differs.is_empty() && modelling.stack != Stack::Joint
+        };
+        let can_halve = self.mirror.as_ref().is_some_and(is_alike);
+        let mirror = self.mirror.as_ref();
+        let (images, poses) = PoseImages::new(mirror, driver, &self.poses, can_halve);
         let poses = &poses;
         let size = self.file.bake.size;
         if let Some(sheet) = &self.sheet {

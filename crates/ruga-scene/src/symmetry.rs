@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use ruga_blend::Driver;
-use ruga_stepper::{KeyResult, PoseResult, PoseSpec, can_be_halved};
+use ruga_stepper::{KeyResult, LayerSurface, PoseResult, PoseSpec, SymmetryPlane};
 
 use crate::Mirror;
+use crate::halves::both_halves;
 use crate::mirror::sorted;
 
 /// End of a warning about a pose that is simulated as its mirror image.
@@ -13,7 +14,7 @@ const ON_THE_OTHER_SIDE: &str =
     "; that is on the other side, of which this pose is made as the mirror image";
 
 /// End of a warning about a pose of which one half is simulated.
-const OF_ONE_HALF: &str = "; that is of one half of the pose, and the other is its mirror image";
+const OF_ONE_HALF: &str = "; one half of this pose is simulated, and the other is its mirror image";
 
 /// Assignment of the poses of a plan to simulations.
 #[derive(Default)]
@@ -29,20 +30,27 @@ pub(crate) struct PoseImages {
 }
 
 impl PoseImages {
-    /// Chooses how `poses` are made; returns them as they are simulated, too.
+    /// Chooses how `poses` are made, of which one half may be simulated where the layers allow that; returns them as
+    /// they are simulated, too.
     pub(crate) fn new(
         mirror: Option<&Arc<Mirror>>,
         driver: &Driver,
         poses: &[PoseSpec],
+        can_halve: bool,
     ) -> (Self, Vec<PoseSpec>) {
         let source = |pose: &PoseSpec| mirror?.source_of(&pose.weights, driver);
         let sources: Vec<_> = poses.iter().map(source).collect();
         let is_image: Vec<bool> = sources.iter().map(Option::is_some).collect();
-        let is_half = |pose: &PoseSpec| {
-            let mirrors = mirror.is_some_and(|mirror| mirror.is_own_image(&pose.weights));
-            mirrors && can_be_halved(driver, &pose.weights)
+        let mirrors = |pose: &PoseSpec| {
+            can_halve && mirror.is_some_and(|mirror| mirror.is_own_image(&pose.weights))
         };
-        let is_half: Vec<bool> = poses.iter().map(is_half).collect();
+        let mut is_half: Vec<bool> = poses.iter().map(mirrors).collect();
+        if is_half.contains(&true) {
+            let plane = SymmetryPlane::new(driver);
+            for (half, pose) in is_half.iter_mut().zip(poses) {
+                *half &= plane.keeps(driver, &pose.weights);
+            }
+        }
         let simulated = poses.iter().zip(sources).zip(&is_half);
         let simulated = simulated.map(|((pose, source), half)| PoseSpec {
             weights: source.unwrap_or_else(|| pose.weights.clone()),
@@ -142,15 +150,20 @@ impl PoseImages {
     /// The mirror image of a result.
     fn turned(&self, result: &PoseResult, poses: [usize; 2]) -> PoseResult {
         let mirror = self.mirror.as_ref().expect("images are made by a mirror");
-        let key = |key: &KeyResult| KeyResult {
-            load: key.load,
-            layers: key.layers.iter().map(|layer| mirror.image(layer)).collect(),
-            // A mesh that moves with a soft body is not mirrored.
-            artist_positions: None,
-        };
+        let mut keys: Vec<KeyResult> = Vec::new();
+        for key in &result.keys {
+            let layers = key.layers.iter().map(|layer| mirror.image(layer));
+            let layers = sharing(keys.last(), layers);
+            keys.push(KeyResult {
+                load: key.load,
+                layers,
+                // A mesh that moves with a soft body is not mirrored.
+                artist_positions: None,
+            });
+        }
         let warnings = result.warnings.iter();
         PoseResult {
-            keys: result.keys.iter().map(key).collect(),
+            keys,
             layers: result.layers.clone(),
             frames: result.frames,
             converged: result.converged,
@@ -176,16 +189,34 @@ impl PoseImages {
     }
 }
 
-/// The result of a whole pose from that of one half.
-fn doubled(mirror: &Mirror, mut half: PoseResult) -> PoseResult {
-    for key in &mut half.keys {
-        for layer in &mut key.layers {
-            *layer = mirror.both_halves(layer);
+/// The layers of a key, which share lists with those of the key before.
+fn sharing(
+    before: Option<&KeyResult>,
+    layers: impl Iterator<Item = LayerSurface>,
+) -> Vec<LayerSurface> {
+    let shared = layers.enumerate().map(|(i, mut layer)| {
+        if let Some(before) = before.and_then(|key| key.layers.get(i)) {
+            layer.share_lists(before);
         }
+        layer
+    });
+    shared.collect()
+}
+
+/// The result of a whole pose from that of one half; energy and area become those of both.
+fn doubled(mirror: &Mirror, mut half: PoseResult) -> PoseResult {
+    let mut keys: Vec<KeyResult> = Vec::new();
+    for key in std::mem::take(&mut half.keys) {
+        let layers = key
+            .layers
+            .into_iter()
+            .map(|layer| both_halves(mirror, &layer));
+        let layers = sharing(keys.last(), layers);
+        keys.push(KeyResult { layers, ..key });
     }
     for layer in &mut half.layers {
         layer.energy *= 2.0;
         layer.left_out *= 2.0;
     }
-    half
+    PoseResult { keys, ..half }
 }

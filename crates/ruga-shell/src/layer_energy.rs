@@ -80,12 +80,13 @@ impl LayerEnergy {
         Self::build(at_rest, &[], parameters, None, bending_model)
     }
 
-    /// One half of a layer that is its own mirror image at a plane of constant x, where it ends: [`Self::with_bending`]
-    /// with the vertices `on_plane`, pinned ones among them; a list of none is of a layer that does not reach the plane.
+    /// A layer that may be one half of a symmetric one, which is its own mirror image at a plane of constant x:
+    /// [`Self::with_bending`] with the vertices `on_plane`, where it ends, pinned ones among them; none, or an empty
+    /// list, for a layer that does not reach the plane.
     ///
-    /// Energy is half of the whole's, and bends it across the plane as if its mirror image went on there. Vertices on
-    /// the plane that are not pinned keep their degrees of freedom, but that along x does nothing: its
-    /// derivatives are 0, but for a positive entry on the diagonal, so that a solver leaves x as it is.
+    /// Energy is that of the half. It bends across the plane as if its mirror image went on there. Vertices on the
+    /// plane that are not pinned keep three degrees of freedom each, of which x has no force and no coupling to others,
+    /// only a positive entry on the diagonal of the Hessian: a solver leaves it as it is.
     ///
     /// # Validity
     /// Where a pinned border meets the plane, the vertex between them bends as at any other border. Natural curvatures

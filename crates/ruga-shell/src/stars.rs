@@ -15,7 +15,7 @@ enum Extent {
     Closed,
     /// From one border edge to the other.
     Open,
-    /// As open, and on as the mirror image of its faces.
+    /// From one edge on a plane of symmetry to the other, and on as the mirror image of these faces.
     Mirrored,
 }
 

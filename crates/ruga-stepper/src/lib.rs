@@ -104,7 +104,7 @@ pub use result::{
     LayerReport, LayerSurface, PoseResult,
 };
 
-pub use skin::mirror::can_be_halved;
+pub use skin::mirror::SymmetryPlane;
 
 pub use sheet::{BurntSurface, Fire, FireSource, Heats, SHEET_EDGES, Sheet, plan_sheet};
 

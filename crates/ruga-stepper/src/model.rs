@@ -212,8 +212,8 @@ pub struct PoseSpec {
     pub growths: Vec<(String, f64)>,
     /// Simulates a pose that is its own mirror image at the plane `x = 0` on the side where x is positive alone:
     /// results end at the plane ([`LayerSurface::on_plane`](crate::LayerSurface::on_plane)), and reports are of that
-    /// side. Only of layers on a driver, solved one on the other and without creases and growths, and where
-    /// [`can_be_halved`](crate::can_be_halved) holds.
+    /// side. Only of layers on a driver, solved one on the other and without creases and growths, and where a
+    /// [`SymmetryPlane`](crate::SymmetryPlane) keeps the pose.
     pub half: bool,
 }
 

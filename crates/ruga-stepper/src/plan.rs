@@ -235,9 +235,9 @@ pub fn plan(
         && layers
             .iter()
             .all(|layer| layer.creases.is_empty() && layer.growths.is_empty());
+    check_half(driver, poses, is_plain)?;
     for pose in poses {
         check_pose(driver, pose)?;
-        check_half(driver, pose, is_plain)?;
         check_motionless(pose)?;
         layers
             .iter()

@@ -281,7 +281,7 @@ impl LayerSurface {
 
     /// Takes over the lists of `other` that are the same as its own: an output mesh that is made anew for every key
     /// is kept once.
-    pub(crate) fn share_lists(&mut self, other: &Self) {
+    pub fn share_lists(&mut self, other: &Self) {
         share(&mut self.faces, &other.faces);
         share(&mut self.uvs, &other.uvs);
         share(&mut self.artist, &other.artist);

@@ -11,7 +11,7 @@ use ruga_shell::BendingModel;
 
 use crate::error::{Checked, refuse};
 use crate::growth::PoseGrowth;
-use crate::skin::mirror::can_be_halved;
+use crate::skin::mirror::SymmetryPlane;
 use crate::{
     CreaseAnchor, CreaseSpec, EdgeLimits, GROWTH_RANGE, Grows, GrowthSpec, LayerSpec, Modelling,
     PoseSpec, StepperError,
@@ -299,14 +299,20 @@ pub(crate) fn check_pose(driver: &Driver, pose: &PoseSpec) -> Checked {
 
 /// Refuses one half of a pose that has to be simulated whole: where `is_plain` does not hold, or the pose moves
 /// what lies between the halves.
-pub(crate) fn check_half(driver: &Driver, pose: &PoseSpec, is_plain: bool) -> Checked {
-    if !pose.half || is_plain && can_be_halved(driver, &pose.weights) {
+pub(crate) fn check_half(driver: &Driver, poses: &[PoseSpec], is_plain: bool) -> Checked {
+    let halves: Vec<&PoseSpec> = poses.iter().filter(|pose| pose.half).collect();
+    if halves.is_empty() {
         return Ok(());
     }
+    let plane = SymmetryPlane::new(driver);
+    let is_kept = |pose: &&&PoseSpec| is_plain && plane.keeps(driver, &pose.weights);
+    let Some(pose) = halves.iter().find(|pose| !is_kept(pose)) else {
+        return Ok(());
+    };
     let accepted = match is_plain {
         true => "false, because not all that lies on the plane x = 0 at rest does so in the pose",
         false => {
-            "false but for layers on a driver, one on the other and without creases and growths"
+            "false; `true` takes layers on a driver, solved one on the other, without creases and growths"
         }
     };
     refuse(format!("pose '{}'", pose.name), "half", "true", accepted)

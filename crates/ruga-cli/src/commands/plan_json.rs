@@ -97,6 +97,8 @@ struct PoseJson<'a> {
     /// Quantity that grows from load step to load step: `weight` or `strain`.
     path: &'static str,
     steps: u32,
+    /// Whether one half of the pose is simulated, which the other numbers are of.
+    half: bool,
     seconds: f64,
     memory_bytes: f64,
     layers: Vec<LayerJson<'a>>,
@@ -171,6 +173,7 @@ impl<'a> PoseJson<'a> {
                 false => "weight",
             },
             steps: scene.poses[index].steps,
+            half: plan.is_half(index),
             seconds: layers.iter().map(|layer| layer.seconds).sum(),
             memory_bytes: plan.pose_memory(index),
             layers,

@@ -14,7 +14,7 @@ pub(super) struct MirrorPlane {
     on_plane: Vec<bool>,
     /// Numbers of the free vertices on it, ascending.
     free: Vec<u32>,
-    /// What stands on the diagonal for their x (N/m).
+    /// Stiffness on the diagonal for x of the vertices on it (N/m).
     stiffness: f64,
     /// Entries of the matrix in the rows and columns of their x, looked up when a matrix is first asked for.
     entries: OnceLock<Vec<u32>>,

@@ -70,9 +70,9 @@ pub fn plan_body(
     layers.iter().try_for_each(check_anchors)?;
     layers.iter().try_for_each(check_unabsorbing)?;
     layers.iter().try_for_each(check_slits)?;
+    check_half(driver, poses, false)?;
     for pose in poses {
         check_pose(driver, pose)?;
-        check_half(driver, pose, false)?;
         layers
             .iter()
             .try_for_each(|layer| check_growth(layer, pose))?;

@@ -269,8 +269,10 @@ impl<'a> PlanningSurface<'a> {
         let on = (&self.surface, &self.rest);
         let plane = pose.half.then(|| Plane::of(self.driver));
         let wanted = |face: FaceId| {
-            let whole = FaceId(self.surface.ancestor(face, 0) as u32);
-            plane.is_none_or(|plane| plane.has_right_part(self.driver, whole))
+            let mut corners = self.surface.mesh().faces()[face].into_iter();
+            let is_right =
+                |plane: Plane| corners.any(|v| plane.is_right(&self.rest.positions[v.index()]));
+            plane.is_none_or(is_right)
         };
         let active = pose_strains.active_faces(on, where_to, longest, &creased, &wanted);
         let quantile = |field: &PerFace<f64>, fraction: f64| {

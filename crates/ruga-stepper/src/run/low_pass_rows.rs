@@ -12,7 +12,7 @@ use ruga_solver::ConstraintRows;
 
 use crate::skin::local_skin::SkinProperties;
 use crate::skin::material_places::uv;
-use crate::skin::mirror::Mirrored;
+use crate::skin::mirror::{Images, Mirrored};
 use crate::skin::place::{ShapeCentres, place_of_points};
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{Coupling, LayerSpec, StepperError};
@@ -39,8 +39,10 @@ pub(crate) struct RowCentre {
 
 /// Rows that hold a layer's averages.
 pub(crate) struct LowPassRows {
-    /// Three rows to an average: x, y and z.
+    /// Three rows to an average, x, y and z; two where the plane at which one half of a symmetric pose ends holds x.
     pub(crate) rows: ConstraintRows,
+    /// Number of averages.
+    pub(crate) averages: usize,
     /// The middles of averages that were meant to be right for slopes, and are for constants only.
     pub(crate) degraded: Vec<VertexId>,
 }
@@ -48,7 +50,9 @@ pub(crate) struct LowPassRows {
 impl LowPassRows {
     /// Warning about constraints that the mesh is too coarse for.
     pub(crate) fn warning(&self, driver: &Driver, skin: &SkinMesh) -> Option<String> {
-        let Self { rows, degraded } = self;
+        let Self {
+            averages, degraded, ..
+        } = self;
         if degraded.is_empty() {
             return None;
         }
@@ -58,7 +62,7 @@ impl LowPassRows {
         Some(format!(
             "the mesh is too coarse for {} of the {} averaging constraints that hold the layer to the surface, {}; there the skin may tilt by a degree or so, which shows as a faint slope in the map. Use `--quality fine`, or `coupling = \"elastic\"` for this layer",
             degraded.len(),
-            rows.count() / 3,
+            averages,
             place_of_points(&ShapeCentres::new(driver), uvs, positions)
         ))
     }
@@ -117,11 +121,13 @@ pub(crate) fn low_pass_rows(
         true => None,
         false => skin.mirrored(),
     };
-    let own = mirrored.as_ref().map_or(usize::MAX, Mirrored::own_count);
-    let original = |v: VertexId| mirrored.as_ref().map_or(v, |m| m.originals[v.index()]);
+    let images = mirrored.as_ref().map(|whole| &whole.images);
+    let own = images.map_or(usize::MAX, Images::own_count);
+    let original = |v: VertexId| images.map_or(v, |images| images.originals()[v.index()]);
     let set = rows_around((spec, sample), centres, (skin, mirrored.as_ref()))?;
     let mut low_pass = LowPassRows {
         rows: ConstraintRows::none(3 * free.len()),
+        averages: 0,
         degraded: Vec::new(),
     };
     if set.rows.is_empty() {
@@ -156,6 +162,7 @@ pub(crate) fn low_pass_rows(
                 .degraded
                 .extend(heaviest.map(|(v, _)| original(*v)));
         }
+        low_pass.averages += 1;
         // All three components are held. Along the surface too, or excess length would move from
         // one wrinkle to the next, which nothing in a wrinkled membrane opposes.
         for axis in 0..3 {

@@ -61,9 +61,9 @@ pub fn plan_sheet(
     check_map_size(map_size)?;
     check_layer(layer)?;
     check_sheet_layer(layer)?;
+    check_half(driver, poses, false)?;
     for pose in poses {
         check_pose(driver, pose)?;
-        check_half(driver, pose, false)?;
         check_sheet_pose(pose)?;
         check_growth(layer, pose)?;
         check_bends(layer, pose, modelling.bending)?;

@@ -16,7 +16,7 @@ use crate::skin::folds_below::{FoldBelow, folds_below};
 use crate::skin::identity::Mark;
 use crate::skin::interpolation::{places_of_limit, through_vertices};
 use crate::skin::material_places::is_on_border;
-use crate::skin::mirror::Mirrored;
+use crate::skin::mirror::Images;
 use crate::skin::skin_mesh::SkinMesh;
 
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
@@ -36,8 +36,8 @@ pub(crate) struct Cover {
     limit: LimitPoints,
     /// Limit surface of the lower layer at its own vertices.
     at_vertices: SparseRows,
-    /// The lower layer's mesh with its mirror image, of one half of a symmetric pose.
-    mirrored: Option<Mirrored>,
+    /// What of the lower layer is whose mirror image, of one half of a symmetric pose.
+    images: Option<Images>,
     /// Per covered vertex the fold of the lower layer that it lies close to.
     folds: Vec<Option<FoldBelow>>,
     /// Per covered vertex the upper mesh's tangents at rest, as columns, in the lower one's.
@@ -64,8 +64,10 @@ impl Cover {
             true => {
                 let above = vertices.iter().map(|&v| skin.rest.positions[v as usize]);
                 let above: Vec<_> = above.collect();
+                let free = vec![false; above.len()];
                 let on = (mesh, rest.as_slice(), &at_vertices);
-                places_of_limit(on, inside, &above, &mut || true).expect("nothing ends it early")
+                places_of_limit(on, inside, (&above, &free), &mut || true)
+                    .expect("nothing ends it early")
             }
             // They say on which side of a fold a vertex lies.
             false => inside,
@@ -83,7 +85,7 @@ impl Cover {
             tangents: tangents.collect(),
             folds,
             at_vertices,
-            mirrored,
+            images: mirrored.map(|whole| whole.images),
             limit,
             weights: vertices.iter().map(|&v| weights[v as usize]).collect(),
             vertices,
@@ -110,9 +112,9 @@ impl Cover {
     /// derivatives along the upper mesh's own tangents.
     pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 3] {
         // The limit surface alone loses some per cent of a wave, which would be missing in the map.
-        let control = match &self.mirrored {
+        let control = match &self.images {
             None => through_vertices(&self.at_vertices, values),
-            Some(mirrored) => through_vertices(&self.at_vertices, &mirrored.vectors(values)),
+            Some(images) => through_vertices(&self.at_vertices, &images.vectors(values)),
         };
         let planes = self.limit.planes(&control);
         let along = |column: usize| {

@@ -9,7 +9,7 @@ use ruga_mesh::{
 };
 
 use crate::skin::fans::open_along;
-use crate::skin::mirror::Mirrored;
+use crate::skin::mirror::{Images, Mirrored};
 use crate::skin::skin_mesh::SkinMesh;
 
 mod line_shift;
@@ -37,8 +37,8 @@ pub(crate) struct Interpolation {
     /// The vertex with the value of every control point: those on creases have one for each side, and those of a mirror
     /// image that of their originals.
     copied: Vec<VertexId>,
-    /// The mesh with its mirror image, of one half of a symmetric pose.
-    mirrored: Option<Box<Mirrored>>,
+    /// What is whose mirror image, of one half of a symmetric pose.
+    images: Option<Images>,
     at_vertices: SparseRows,
     limit: Limit,
     places: Vec<MaterialPoint>,
@@ -49,7 +49,7 @@ pub(crate) struct Interpolation {
 pub(crate) enum Values<'a> {
     /// Vectors, which a mirror reflects.
     Vectors(&'a [Vector3<f64>]),
-    /// Three numbers each, which it leaves as they are.
+    /// Three numbers each, which are the same on both sides of a mirror.
     Numbers(&'a [Vector3<f64>]),
 }
 
@@ -70,14 +70,19 @@ impl Interpolation {
         to: &SkinMesh,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
-        let mirrored = from.mirrored().map(Box::new);
-        let places = places_on(from, mirrored.as_deref(), to, goes_on)?;
-        if let Some(mirrored) = mirrored {
-            let originals = mirrored.originals.clone();
-            let faces = (mirrored.mesh.clone(), mirrored.positions.clone());
-            let made = Self::smooth(faces, originals, (places, to), goes_on)?;
+        let mirrored = from.mirrored();
+        let places = places_on(from, mirrored.as_ref(), to, goes_on)?;
+        if let Some(Mirrored {
+            mesh,
+            positions,
+            images,
+            ..
+        }) = mirrored
+        {
+            let copied = images.originals().to_vec();
+            let made = Self::smooth((mesh, positions), copied, (places, to), goes_on)?;
             return Some(Self {
-                mirrored: Some(mirrored),
+                images: Some(images),
                 ..made
             });
         }
@@ -93,7 +98,7 @@ impl Interpolation {
         Some(Self {
             at_vertices: limit_rows(&opened, &no_corners(&opened)).position,
             copied,
-            mirrored: None,
+            images: None,
             limit: Limit::Mesh(Box::new(opened)),
             places,
         })
@@ -109,11 +114,14 @@ impl Interpolation {
     ) -> Option<Self> {
         let at_vertices = limit_rows(&mesh, &no_corners(&mesh)).position;
         let on = (&mesh, rest.as_slice(), &at_vertices);
-        let places = places_of_limit(on, places, &to.rest.positions, goes_on)?;
+        // What is held on the surface below shows nothing, whatever lies beside it.
+        let held = to.held();
+        let wanted = (to.rest.positions.as_slice(), held.as_slice());
+        let places = places_of_limit(on, places, wanted, goes_on)?;
         Some(Self {
             at_vertices,
             copied,
-            mirrored: None,
+            images: None,
             limit: Limit::Mesh(Box::new(mesh)),
             places,
         })
@@ -142,11 +150,11 @@ impl Interpolation {
 
     /// Material points on the one mesh of the vertices of the other.
     pub(crate) fn places(&self) -> Cow<'_, [MaterialPoint]> {
-        match &self.mirrored {
+        match &self.images {
             None => Cow::Borrowed(&self.places),
-            Some(mirrored) => {
+            Some(images) => {
                 let places = self.places.iter();
-                places.map(|place| mirrored.original_place(place)).collect()
+                places.map(|place| images.original_place(place)).collect()
             }
         }
     }
@@ -154,8 +162,8 @@ impl Interpolation {
     /// Several sets of values at the vertices of the one mesh, at those of the other.
     pub(crate) fn apply<const K: usize>(&self, values: [Values<'_>; K]) -> [Vec<Vector3<f64>>; K] {
         let controls = values.map(|values| {
-            let values: Vec<_> = match (values, &self.mirrored) {
-                (Values::Vectors(own), Some(mirrored)) => mirrored.vectors(own),
+            let values: Vec<_> = match (values, &self.images) {
+                (Values::Vectors(own), Some(images)) => images.vectors(own),
                 (Values::Vectors(own) | Values::Numbers(own), _) => {
                     self.copied.iter().map(|v| own[v.index()]).collect()
                 }
@@ -360,11 +368,12 @@ mod tests {
         };
         let before = error(&places);
         let on = (&mesh, rest.as_slice(), &at_vertices);
-        let moved = places_of_limit(on, places.clone(), &wanted, &mut || true);
+        let free = vec![false; places.len()];
+        let moved = places_of_limit(on, places.clone(), (&wanted, &free), &mut || true);
         let after = error(&moved.expect("nothing ends it"));
         assert!(before > 0.01, "{before}");
         assert!(after < 0.45 * before, "{after} for {before}");
-        assert!(places_of_limit(on, places, &wanted, &mut || false).is_none());
+        assert!(places_of_limit(on, places, (&wanted, &free), &mut || false).is_none());
     }
 
     /// Of a wave of 12 edges, the limit through corrected points loses little, the plain one much.

@@ -46,7 +46,7 @@ impl Piece {
         }
     }
 
-    /// Some of its faces, ascending, with one fan of faces around every vertex.
+    /// The part of the piece with these faces, ascending, and one fan of faces around every vertex.
     pub(crate) fn part(&self, faces: &[FaceId]) -> Self {
         let part = self.mesh.submesh(faces);
         let (mesh, copied) = one_fan_per_vertex(&part.mesh);

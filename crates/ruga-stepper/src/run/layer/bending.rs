@@ -71,7 +71,8 @@ impl Layer {
         let corners = face_corners(mesh, &self.skin.rest.positions);
         let main = self.main_direction(&corners)?;
         // On a body, too, where nothing holds the border: the softest wave runs along a free edge, is
-        // about half as stiff as any in the middle, and says nothing of the mesh.
+        // about half as stiff as any in the middle, and says nothing of the mesh. Where one half of a symmetric pose
+        // ends it is held, too: its mesh is the same there as elsewhere.
         let mut pinned = mesh.border_vertices();
         // Where nothing wrinkles, or in another direction, triangles are long across the main one: the
         // softest wave would be there, and stiffen all of the layer for nothing.

@@ -15,6 +15,10 @@ use crate::skin::upper_shell::UpperShell;
 use crate::support::Support;
 use crate::{ComputedMesh, LayerSurface};
 
+/// Distance (wavelengths) from the plane where one half of a symmetric pose ends within which the other half counts in
+/// what is shown: more than discs and fades reach.
+const BESIDE_PLANE: f64 = 2.0;
+
 /// Deviations (m) and demands at the vertices of an output mesh.
 pub(crate) type OnRegion = (Vec<Vector3<f64>>, Vec<VertexDemand>);
 
@@ -168,8 +172,22 @@ fn shown_weights(
     skin: &SkinMesh,
     (demands, surface): (&[VertexDemand], &PosedSurface),
 ) -> Vec<f64> {
-    let places = (skin.rest.positions.as_slice(), surface.normals.as_slice());
-    let shares = wrinkled_shares(&skin.mesh, places, demands, &own.is_cut);
+    let longest = demands.iter().map(|d| d.wavelength).fold(0.0, f64::max);
+    let shares = match skin.mirrored_within(BESIDE_PLANE * longest) {
+        None => {
+            let places = (skin.rest.positions.as_slice(), surface.normals.as_slice());
+            wrinkled_shares(&skin.mesh, places, demands, &own.is_cut)
+        }
+        Some(whole) => {
+            let images = &whole.images;
+            let normals = images.vectors(&surface.normals);
+            let places = (whole.positions.as_slice(), normals.as_slice());
+            let (demands, is_cut) = (images.values(demands), images.values(&own.is_cut));
+            let mut shares = wrinkled_shares(&whole.mesh, places, &demands, &is_cut);
+            shares.truncate(images.own_count());
+            shares
+        }
+    };
     let pairs = own.weights.iter().zip(shares);
     pairs.map(|(weight, share)| weight * share).collect()
 }

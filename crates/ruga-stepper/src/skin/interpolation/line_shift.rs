@@ -171,7 +171,6 @@ fn nearest_edges(skin: &SkinMesh, sources: &BTreeMap<VertexId, Source>) -> Vec<O
 
 #[cfg(test)]
 mod tests {
-    use crate::skin::interpolation::Values;
     use std::f64::consts::TAU;
 
     use nalgebra::{Matrix3, Vector2};
@@ -183,6 +182,7 @@ mod tests {
 
     use super::*;
     use crate::skin::interpolation::Interpolation;
+    use crate::skin::interpolation::Values;
     use crate::skin::piece::Piece;
     use crate::skin::skin_mesh::{RegionMesh, SizingStrains};
     use crate::test_drivers::{SIDE, knuckle, square};

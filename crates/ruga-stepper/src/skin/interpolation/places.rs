@@ -1,4 +1,4 @@
-//! Which place of one mesh of the skin every vertex of another lies on.
+//! Places on one mesh of the skin at which the vertices of another lie.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -106,34 +106,43 @@ fn place_near(
 }
 
 /// The places at which the limit surface through a mesh at rest passes `wanted` positions most closely, from those at
-/// which its faces do; `None` as soon as `goes_on` says no.
+/// which its faces do; those that are `held` stay. `None` as soon as `goes_on` says no.
 ///
 /// Where edges differ in length the limit surface lies beside the place of the faces that it belongs to, by some
 /// hundredths of an edge. Read there, the flank of a wrinkle would be as rough as edges are irregular.
 pub(crate) fn places_of_limit(
     (mesh, rest, at_vertices): (&TriMesh, &[Vector3<f64>], &SparseRows),
     mut places: Vec<MaterialPoint>,
-    wanted: &[Vector3<f64>],
+    (wanted, held): (&[Vector3<f64>], &[bool]),
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<MaterialPoint>> {
     let control = through_vertices(at_vertices, rest);
     let lookup = SurfaceLookup::new(mesh, rest);
-    for _ in 0..PLACING_STEPS {
+    // The best places so far, and how far from the wanted ones the surface passes there.
+    let mut best: Vec<(MaterialPoint, f64)> = places.iter().map(|p| (*p, f64::INFINITY)).collect();
+    for step in 0..=PLACING_STEPS {
         if !goes_on() {
             return None;
         }
         let [reached] = limit_in_parts(mesh, &places, [&control], FACES_AT_A_TIME);
-        let moved = places.par_iter_mut().zip(reached).zip(wanted);
-        moved
-            .with_min_len(PLACES_AT_ONCE)
-            .for_each(|((place, reached), wanted)| {
+        let found = places.par_iter_mut().zip(&mut best);
+        let found = found.zip(reached.par_iter().zip(wanted)).zip(held);
+        found.with_min_len(PLACES_AT_ONCE).for_each(
+            |(((place, best), (reached, wanted)), held)| {
                 let way = wanted - reached;
-                let target = place.interpolate(mesh, rest) + way;
-                let found = lookup.closest_near(place.face, &target, 2.0 * way.norm());
-                if let Some(found) = found {
-                    *place = found.point;
+                if way.norm() >= best.1 {
+                    // Around vertices with many edges a step may lead away.
+                    *place = best.0;
+                    return;
                 }
-            });
+                *best = (*place, way.norm());
+                if step < PLACING_STEPS && !held {
+                    let target = place.interpolate(mesh, rest) + way;
+                    let near = lookup.closest_near(place.face, &target, 2.0 * way.norm());
+                    *place = near.map_or(*place, |near| near.point);
+                }
+            },
+        );
     }
-    Some(places)
+    Some(best.into_iter().map(|(place, _)| place).collect())
 }
