@@ -12,7 +12,7 @@ use crate::Mirror;
 const EXACT: f64 = 1e-9;
 
 /// Distance from the plane within which vertices move with it, in the largest distance that a vertex on it is put
-/// right by: triangles are then strained by a tenth at most.
+/// right by: triangles are then strained by about a tenth.
 const REACH: f64 = 15.0;
 
 /// A layer and its mirror image in one, joined where the `half` ends at the plane `x = 0`.
@@ -23,14 +23,14 @@ pub(crate) fn both_halves(mirror: &Mirror, half: &LayerSurface) -> LayerSurface 
     let is_on_plane = |v: usize| half.on_plane.get(v).copied().unwrap_or(false);
     // Images of the vertices on the plane are these themselves.
     let mut next = count as u32;
-    let mut number = |v: usize| match is_on_plane(v) {
+    let number = |v: usize| match is_on_plane(v) {
         true => v as u32,
         false => {
             next += 1;
             next - 1
         }
     };
-    let numbers: Vec<u32> = (0..count).map(&mut number).collect();
+    let numbers: Vec<u32> = (0..count).map(number).collect();
     let joined = |own: &[Vector3<f64>], other: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
         let other = other.iter().enumerate().filter(|(v, _)| !is_on_plane(*v));
         own.iter().chain(other.map(|(_, x)| x)).copied().collect()
@@ -93,28 +93,29 @@ fn in_plane(half: &LayerSurface) -> LayerSurface {
                 false => (1.0 - (x - places[on]).norm() / reach).max(0.0),
             };
             let way = left * places[on].x;
-            for points in [
-                &mut moved.positions,
-                &mut moved.relief,
-                &mut moved.driver_positions,
-            ] {
-                points[v].x -= way;
+            for x in at_vertex(&mut moved, v) {
+                x.x -= way;
             }
         }
     }
     for v in on_plane {
-        for points in [
-            &mut moved.positions,
-            &mut moved.relief,
-            &mut moved.driver_positions,
-        ] {
-            points[v].x = 0.0;
+        for x in at_vertex(&mut moved, v) {
+            x.x = 0.0;
         }
         let normal = &mut moved.driver_normals[v];
         normal.x = 0.0;
         *normal = normal.try_normalize(0.0).unwrap_or(half.driver_normals[v]);
     }
     moved
+}
+
+/// The places of a vertex: computed, as maps show it, and on the driver.
+fn at_vertex(surface: &mut LayerSurface, vertex: usize) -> [&mut Vector3<f64>; 3] {
+    [
+        &mut surface.positions[vertex],
+        &mut surface.relief[vertex],
+        &mut surface.driver_positions[vertex],
+    ]
 }
 
 #[cfg(test)]

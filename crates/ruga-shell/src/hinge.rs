@@ -152,7 +152,13 @@ impl HingeState {
 impl Hinge {
     /// Energy (J).
     pub fn value(&self, x: &[Vector3<f64>; 4]) -> f64 {
-        let bend = self.bend(&HingeState::new(x));
+        self.energy(&HingeState::new(x))
+    }
+
+    /// Energy (J) in a state.
+    #[inline]
+    pub fn energy(&self, state: &HingeState) -> f64 {
+        let bend = self.bend(state);
         0.5 * self.stiffness * bend * bend
     }
 

@@ -104,10 +104,7 @@ impl HingeElement {
     pub(super) fn value(&self, x: &[Vector3<f64>]) -> f64 {
         let state = self.state(x);
         match &self.crease {
-            None => {
-                let bend = self.hinge.bend(&state);
-                0.5 * self.hinge.stiffness * bend * bend
-            }
+            None => self.hinge.energy(&state),
             Some(branch) => self.fold(branch, &state).energy(),
         }
     }

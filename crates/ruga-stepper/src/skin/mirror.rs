@@ -10,7 +10,7 @@ use crate::skin::skin_mesh::SkinMesh;
 /// How far from the plane a vertex on it may be, in lengths of the mesh's longest side: 30 µm on a head.
 const ON_PLANE: f64 = 1e-4;
 
-/// How far from the plane the smooth surface may be there: 0.6 mm on a head, as far as a third of an edge.
+/// How far from the plane the smooth surface may be there: 0.6 mm on a head.
 const NEAR_PLANE: f64 = 2e-3;
 
 /// Least distance, in edges, between a vertex and the place where an edge at it crosses the plane: nearer ones would
