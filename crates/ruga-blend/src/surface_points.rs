@@ -1,12 +1,16 @@
 //! Chosen places of the driver's smooth surface, in any pose.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_mesh::{
     Id, LimitPoints, LoopSurface, MaterialPoint, TriMesh, face_normals, vertex_normals,
 };
 
 use crate::base_surface::material_tangent;
 use crate::{Driver, PosedSurface, Smoothing};
+
+/// Points that a thread poses at least.
+const POINTS_AT_ONCE: usize = 1024;
 
 /// Material points of a driver, with what poses them.
 ///
@@ -97,10 +101,7 @@ impl SurfacePoints {
             "one control point per vertex"
         );
         match &self.places {
-            Places::OnLimit(points) => {
-                let planes = points.planes(control).into_iter();
-                planes.map(|plane| plane.first).collect()
-            }
+            Places::OnLimit(points) => points.derivatives(control),
             Places::OnFacets(points) => {
                 let edges = |point: &MaterialPoint| {
                     let [a, b, c] =
@@ -114,17 +115,24 @@ impl SurfacePoints {
 
     fn pose_limit(&self, points: &LimitPoints, control: &[Vector3<f64>]) -> PosedSurface {
         let facets = face_normals(&self.topology, control);
-        let mut posed = PosedSurface::default();
-        for (plane, point) in points.planes(control).iter().zip(points.points()) {
+        let planes = points.planes(control);
+        let none = vec![Vector3::zeros(); planes.len()];
+        let mut posed = PosedSurface {
+            normals: none.clone(),
+            tangents: none.clone(),
+            positions: none,
+        };
+        let places = posed.positions.par_iter_mut().zip(&mut posed.normals);
+        let places = places.zip(&mut posed.tangents).with_min_len(POINTS_AT_ONCE);
+        let on_limit = planes.par_iter().zip(points.points());
+        let on_limit = places.zip(on_limit);
+        on_limit.for_each(|(((position, normal), tangent), (plane, point))| {
             let facet = || facets[point.face].try_normalize(0.0);
             // A collapsed facet has no normal either; any unit vector keeps what follows finite.
-            let normal = plane.normal().or_else(facet).unwrap_or_else(Vector3::z);
-            posed.positions.push(plane.position);
-            posed.normals.push(normal);
-            posed
-                .tangents
-                .push(self.tangent(&plane.first[0], &normal, point, control));
-        }
+            *normal = plane.normal().or_else(facet).unwrap_or_else(Vector3::z);
+            *position = plane.position;
+            *tangent = self.tangent(&plane.first[0], normal, point, control);
+        });
         posed
     }
 

@@ -83,6 +83,20 @@ impl LimitPoints {
             Kept::Surface(surface) => surface.planes(&self.points, control),
         }
     }
+
+    /// The derivatives of [`planes`](Self::planes) alone, m.
+    ///
+    /// # Panics
+    /// As [`planes`](Self::planes).
+    pub fn derivatives(&self, control: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 2]> {
+        match &self.kept {
+            Kept::Rows(rows) => {
+                let [u, v] = rows.first.each_ref().map(|rows| rows.apply(control));
+                u.into_iter().zip(v).map(|(u, v)| [u, v]).collect()
+            }
+            Kept::Surface(surface) => surface.derivatives(&self.points, control),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -113,6 +127,16 @@ mod tests {
         let [rows, none] = [70, 69].map(of);
         assert!(matches!(none.kept, Kept::Surface(_)));
         assert!(rows.planes(&control) == none.planes(&control));
+        let first = rows
+            .planes(&control)
+            .iter()
+            .map(|plane| plane.first)
+            .collect::<Vec<_>>();
+        assert!(
+            [&rows, &none]
+                .iter()
+                .all(|points| points.derivatives(&control) == first)
+        );
         let surface = LoopSurface::new(&mesh, &PerVertex::filled(4, false));
         assert!(LimitPoints::new(surface, points, &mut || false).is_none());
     }

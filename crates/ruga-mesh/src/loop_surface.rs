@@ -57,6 +57,8 @@ pub struct LoopSurface {
     kinds: Vec<(VertexKind, Vec<IrregularSector>)>,
     /// Filled when a face is first asked for, since most callers look at a part of the mesh.
     patches: PerFace<OnceLock<FacePatch>>,
+    /// Points of a face from which on what was prepared for it is kept.
+    worth_keeping: usize,
 }
 
 /// Rows that give a limit surface at material points from its control points.
@@ -119,7 +121,13 @@ impl LoopSurface {
                 .map(|kind| (kind, IrregularSector::all_of(kind)))
                 .collect(),
             patches: PerFace::filled(mesh.face_count(), OnceLock::new()),
+            worth_keeping: WORTH_KEEPING,
         }
+    }
+
+    /// Keeps what is prepared for a face, 2 kB, however few points it has: for surfaces that are asked again.
+    pub fn keep_patches(&mut self) {
+        self.worth_keeping = 0;
     }
 
     /// Number of faces of the control mesh.
@@ -196,6 +204,26 @@ impl LoopSurface {
         })
     }
 
+    /// The derivatives of [`planes`](Self::planes) alone.
+    ///
+    /// # Panics
+    /// As [`jets`](Self::jets).
+    pub(crate) fn derivatives(
+        &self,
+        points: &[MaterialPoint],
+        control: &[Vector3<f64>],
+    ) -> Vec<[Vector3<f64>; 2]> {
+        self.at_each(points, |vertices, weights: &[[f64; 3]]| {
+            let mut sums = [Vector3::zeros(); 2];
+            for (&vertex, [_, weights @ ..]) in vertices.iter().zip(weights) {
+                for (sum, &weight) in sums.iter_mut().zip(weights) {
+                    *sum += control[vertex as usize] * weight;
+                }
+            }
+            sums
+        })
+    }
+
     /// The positions of [`planes`](Self::planes) alone, for several sets of control points (m) at once.
     ///
     /// # Panics
@@ -234,7 +262,7 @@ impl LoopSurface {
         let of_part = |ranks: &&[u32]| {
             let face = points[ranks[0] as usize].face;
             let passing;
-            let patch = match ranks.len() < WORTH_KEEPING {
+            let patch = match ranks.len() < self.worth_keeping {
                 true => {
                     passing = self.patch(face);
                     &passing
@@ -248,17 +276,19 @@ impl LoopSurface {
             };
             ranks.iter().map(result).collect::<Vec<_>>()
         };
-        let mut results: Vec<Option<R>> = vec![None; points.len()];
+        let mut results: Vec<R> = Vec::new();
         for parts in parts.chunks(PARTS_AT_A_TIME) {
             let found: Vec<_> = parts.par_iter().map(of_part).collect();
-            for (&i, found) in parts.iter().copied().flatten().zip(found.iter().flatten()) {
-                results[i as usize] = Some(*found);
+            let found = parts.iter().copied().flatten().zip(found.iter().flatten());
+            for (&i, found) in found {
+                if results.is_empty() {
+                    // Every point is in a part, so that all of these are replaced.
+                    results.resize(points.len(), *found);
+                }
+                results[i as usize] = *found;
             }
         }
-        let every = results.into_iter();
-        every
-            .map(|result| result.expect("every point is in a part"))
-            .collect()
+        results
     }
 
     /// Forgets what was prepared for the faces asked for so far, 2 kB each.

@@ -40,12 +40,13 @@ use crate::{LayerSpec, StepperError};
 
 use absorption::Bands;
 use creases::CreaseStrengths;
-use output::{Output, Shown, interpolation_to};
+use output::{Shown, interpolation_to};
 use pulls::ToldPulls;
 
 pub(crate) use absorption::Absorption;
 pub(crate) use load::LayerState;
-pub(crate) use output::{OutputMesh, Unmade};
+pub(crate) use output::{OnOutput, Output, OutputMesh, Unmade};
+pub(crate) use snapshot::Seen;
 
 /// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.

@@ -7,7 +7,7 @@ use ruga_crease::TracedLine;
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::adaptivity::{Fitting, SizingRequest};
-use crate::run::layer::{Layer, LayerOptions, OutputMesh, Unmade};
+use crate::run::layer::{Layer, LayerOptions, OnOutput, Output, OutputMesh, Seen, Unmade};
 use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
@@ -110,27 +110,49 @@ impl<'a> StackRun<'a> {
         run: &mut LayerRun<'_>,
         observer: &mut dyn Observer,
     ) -> Result<bool, StepperError> {
-        let made = self.try_to_make_output(run, observer);
-        Ok(Halt::unless_interrupted(made)?.is_some())
-    }
-
-    fn try_to_make_output(
-        &self,
-        run: &mut LayerRun<'_>,
-        observer: &mut dyn Observer,
-    ) -> Result<(), Halt> {
         let Some(unmade) = run.layer.unmade_output() else {
-            return Ok(());
+            return Ok(true);
         };
         let often = observer.wants_frames();
         let preparing = &mut Preparing::new(observer, run.index, Phase::Sampling);
+        let made = self.made_output(run.index, &unmade, preparing);
+        let made = made.map(|region| (region, unmade));
+        let driver = &self.plan.driver;
+        let shown = made.and_then(|made| run.layer.show_on(driver, made, often, preparing));
+        Ok(Halt::unless_interrupted(shown)?.is_some())
+    }
+
+    /// What is `seen` of a layer on its `output` mesh, where nothing else of it will be shown; `None` when the observer
+    /// ends the work.
+    pub(crate) fn last_output(
+        &self,
+        (index, output): (usize, Output),
+        seen: &Seen<'_>,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<OnOutput<'static>>, StepperError> {
+        let preparing = &mut Preparing::new(observer, index, Phase::Sampling);
+        let shown = match output {
+            Output::Made(shown) => Ok(*shown),
+            Output::Later(unmade) => {
+                let made = self.made_output(index, &unmade, preparing);
+                let made = made.map(|region| (region, unmade));
+                made.and_then(|made| seen.shown_on(&self.plan.driver, made, preparing))
+            }
+        };
+        Ok(Halt::unless_interrupted(shown)?.map(|shown| shown.last_of(seen)))
+    }
+
+    fn made_output(
+        &self,
+        index: usize,
+        unmade: &Unmade,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<RegionMesh, Halt> {
         let driver = &self.plan.driver;
         let (whole, measures) = (unmade.whole.clone(), &unmade.measures);
         let (piece, _) =
             preparing.while_wanted(|goes_on| refined(driver, whole, measures, goes_on))?;
-        let region = self.region(run.index, piece, preparing)?;
-        run.layer
-            .show_on(driver, (region, unmade), often, preparing)
+        self.region(index, piece, preparing)
     }
 
     /// Whether the output mesh of layer number `index` has long edges along its wrinkles.

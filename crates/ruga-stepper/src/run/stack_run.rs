@@ -9,6 +9,7 @@ use crate::growth::PoseGrowth;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading, loads_up_to};
 use crate::run::layer_setup::OutputEdges;
+use crate::run::upper_layers::add_face_states;
 use crate::skin::cover::Covers;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::{SupportOf, support_surface};
@@ -385,7 +386,10 @@ impl<'a> StackRun<'a> {
         }
         observer.phase(lowest, Phase::Sampling);
         let support = self.support(&run.layer, point.weight_fraction);
-        let mut layers = self.snapshot(run, support.as_ref(), &[], observer);
+        let seen = run.layer.seen();
+        let seen = (&seen, &run.layer.on_output(&seen));
+        let mut layers = self.snapshot(lowest, seen, support.as_ref(), &[]);
+        add_face_states(&mut layers, &run.layer, observer);
         if !observer.wants_frames() {
             run.layer.forget_output();
         }

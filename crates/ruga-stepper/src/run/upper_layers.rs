@@ -5,15 +5,16 @@ use std::rc::Rc;
 use nalgebra::Vector3;
 
 use crate::error::Halt;
-use crate::run::layer::Layer;
+use crate::run::layer::{Layer, OnOutput, Seen};
 use crate::run::layer_run::{Ending, LayerRun, Loading};
 use crate::run::layer_setup::OutputEdges;
 use crate::run::stack_run::{LoadPoint, StackRun};
 use crate::skin::cover::Covers;
+use crate::skin::skin_mesh::SkinMesh;
 use crate::support::Support;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::{
-    LowerLayer, SupportOf, SupportSurface, as_shown, posed_below, support_surface,
+    LowerLayer, OnSupport, SupportOf, SupportSurface, as_shown, support_surface,
 };
 use crate::{LayerSurface, Observer, Phase, StepperError};
 
@@ -29,25 +30,29 @@ impl<'a> StackRun<'a> {
     ) -> Result<Option<Vec<LayerSurface>>, StepperError> {
         let covers = Rc::clone(&self.covers);
         let mut surfaces = Vec::new();
-        let mut solved: Vec<(LayerRun<'a>, Ending)> = Vec::new();
+        let mut solved: Vec<SolvedLayer<'a>> = Vec::new();
         // Where every layer's vertices are as maps show them, the lowest layer's first.
-        let mut shown = vec![run.layer.shown_positions(run.layer.support())];
+        let seen = run.layer.seen();
+        let mut shown = vec![seen.shown_positions(seen.support())];
+        drop(seen);
+        let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
+        let is_last = point.weight_fraction >= last;
         for index in lowest + 1..self.plan.stacking.specs.len() {
             if self.plan.poses[self.pose].layers[index].region.is_empty() {
                 continue;
             }
-            let runs = std::iter::once(run).chain(solved.iter().map(|(run, _)| run));
+            let on_lowest = (run.index, run.layer.skin(), run.layer.positions());
+            let runs = std::iter::once(on_lowest).chain(solved.iter().map(SolvedLayer::shape));
             let lower = runs.zip(&shown);
             let lower: Vec<LowerLayer<'_>> = lower
-                .map(|(run, shown)| self.lower(run, shown, &covers))
+                .map(|(shape, shown)| self.lower(shape, shown, &covers))
                 .collect();
             let made = self.upper_layer(index, &lower, point, support, observer);
             let Some((mut upper, ending)) = Halt::unless_interrupted(made)? else {
                 return Ok(None);
             };
-            let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
             // What stays smooth at an earlier key may wrinkle by the last one.
-            if ending == Ending::Reached && point.weight_fraction >= last {
+            if ending == Ending::Reached && is_last {
                 upper.warn_unwrinkled(&self.plan.driver);
             }
             upper.measure();
@@ -55,25 +60,45 @@ impl<'a> StackRun<'a> {
             if ending == Ending::Interrupted {
                 return Ok(None);
             }
-            if !self.make_output(&mut upper, observer)? {
-                return Ok(None);
-            }
-            observer.phase(index, Phase::Sampling);
-            surfaces.extend(self.snapshot(&upper, support, &lower, observer));
-            let attachment = self.plan.stacking.attachments[index];
-            let skin = upper.layer.skin();
-            // Maps show a layer on those below as maps show them, which may be flatter than they
-            // are.
-            let on = (self.plan.driver.as_ref(), support);
-            let surface = posed_below(on, skin, attachment, &as_shown(&lower));
-            shown.push(upper.layer.shown_positions(&surface));
             self.result.layers[index] = upper.report.clone();
-            solved.push((upper, ending));
+            // From a state that is none, nothing goes on. An output mesh takes as much memory as what solves a layer.
+            let is_over = ending != Ending::Reached || (is_last && !observer.wants_frames());
+            let (upper, own) = match is_over && !observer.wants_face_states() {
+                true => {
+                    let (seen, output) = upper.into_seen();
+                    let output = self.last_output((index, output), &seen, observer)?;
+                    let Some(output) = output else {
+                        return Ok(None);
+                    };
+                    observer.phase(index, Phase::Sampling);
+                    surfaces.extend(self.snapshot(index, (&seen, &output), support, &lower));
+                    let own = self.shown_positions(index, &seen, support, &lower);
+                    (SolvedLayer::Over(index, Box::new(seen)), own)
+                }
+                false => {
+                    if !self.make_output(&mut upper, observer)? {
+                        return Ok(None);
+                    }
+                    observer.phase(index, Phase::Sampling);
+                    let seen = upper.layer.seen();
+                    let output = upper.layer.on_output(&seen);
+                    let mut of_upper = self.snapshot(index, (&seen, &output), support, &lower);
+                    add_face_states(&mut of_upper, &upper.layer, observer);
+                    surfaces.extend(of_upper);
+                    let own = self.shown_positions(index, &seen, support, &lower);
+                    drop(output);
+                    drop(seen);
+                    (SolvedLayer::Kept(Box::new(upper), ending), own)
+                }
+            };
+            shown.push(own);
+            solved.push(upper);
         }
-        // From a state that is none, nothing goes on.
-        for (run, _) in solved.into_iter().filter(|(_, e)| *e == Ending::Reached) {
-            let index = run.index;
-            self.upper[index] = Some(run);
+        for solved in solved {
+            if let SolvedLayer::Kept(run, Ending::Reached) = solved {
+                let index = run.index;
+                self.upper[index] = Some(*run);
+            }
         }
         Ok(Some(surfaces))
     }
@@ -136,44 +161,84 @@ impl<'a> StackRun<'a> {
 
     fn lower<'r>(
         &self,
-        run: &'r LayerRun<'_>,
+        (index, skin, positions): (usize, &'r SkinMesh, &'r [Vector3<f64>]),
         shown: &'r [Vector3<f64>],
         covers: &'r Covers,
     ) -> LowerLayer<'r> {
         LowerLayer {
-            skin: run.layer.skin(),
-            positions: run.layer.positions(),
+            skin,
+            positions,
             shown,
-            offset: self.plan.stacking.attachments[run.index].offset,
+            offset: self.plan.stacking.attachments[index].offset,
             covers,
         }
     }
 
-    /// The layer, and one that moves together with it, as others see them.
-    pub(crate) fn snapshot(
+    /// Where maps show the vertices of the mesh that layer number `index` was computed on: on the layers below as maps
+    /// show these, which may be flatter than they are. Nothing where no layer lies on it.
+    fn shown_positions(
         &self,
-        run: &LayerRun<'_>,
+        index: usize,
+        seen: &Seen<'_>,
         support: &dyn Support,
         lower: &[LowerLayer<'_>],
-        observer: &dyn Observer,
-    ) -> Vec<LayerSurface> {
-        let (driver, layer) = (&self.plan.driver, &run.layer);
-        let attachment = self.plan.stacking.attachments[run.index];
-        let region = &layer.region().skin;
-        let on = (driver.as_ref(), support);
-        let on_region = layer.on_region();
-        let surface = posed_below(on, region, attachment, lower);
-        // Maps show driver or body as they are.
-        let shown =
-            (!lower.is_empty()).then(|| posed_below(on, region, attachment, &as_shown(lower)));
-        let below = (&surface, shown.as_ref().unwrap_or(&surface));
-        let mut surfaces = layer.snapshots(on, on_region, below, attachment.offset);
-        if observer.wants_face_states() {
-            for (surface, states) in surfaces.iter_mut().zip(layer.face_states()) {
-                surface.face_states = Some(states);
-            }
+    ) -> Vec<Vector3<f64>> {
+        let mut above = self.plan.poses[self.pose].layers[index + 1..].iter();
+        if above.all(|layer| layer.region.is_empty()) {
+            return Vec::new();
         }
-        surfaces
+        let on = OnSupport::new((&self.plan.driver, support), seen.skin());
+        let surface = on.below(self.plan.stacking.attachments[index], &as_shown(lower));
+        seen.shown_positions(&surface)
+    }
+
+    /// The layer number `index` as results have it, and one that moves together with it.
+    pub(crate) fn snapshot(
+        &self,
+        index: usize,
+        (layer, on_output): (&Seen<'_>, &OnOutput<'_>),
+        support: &dyn Support,
+        lower: &[LowerLayer<'_>],
+    ) -> Vec<LayerSurface> {
+        let driver = self.plan.driver.as_ref();
+        let attachment = self.plan.stacking.attachments[index];
+        let on = OnSupport::new((driver, support), &on_output.mesh.skin);
+        let surface = on.below(attachment, lower);
+        // Maps show driver or body as they are.
+        let shown = (!lower.is_empty()).then(|| on.below(attachment, &as_shown(lower)));
+        let below = (&surface, shown.as_ref().unwrap_or(&surface));
+        layer.snapshots(on_output, (driver, on.posed), below, attachment.offset)
+    }
+}
+
+/// Adds the states of their faces to the `surfaces` of a layer, for an observer who wants them.
+pub(crate) fn add_face_states(
+    surfaces: &mut [LayerSurface],
+    layer: &Layer,
+    observer: &dyn Observer,
+) {
+    if observer.wants_face_states() {
+        for (surface, states) in surfaces.iter_mut().zip(layer.face_states()) {
+            surface.face_states = Some(states);
+        }
+    }
+}
+
+/// An upper layer that was solved.
+enum SolvedLayer<'a> {
+    /// From which a later frame may go on.
+    Kept(Box<LayerRun<'a>>, Ending),
+    /// What is left of the layer with this number, from which none does.
+    Over(usize, Box<Seen<'static>>),
+}
+
+impl SolvedLayer<'_> {
+    /// Its number, the mesh it was solved on, and where that is.
+    fn shape(&self) -> (usize, &SkinMesh, &[Vector3<f64>]) {
+        match self {
+            Self::Kept(run, _) => (run.index, run.layer.skin(), run.layer.positions()),
+            Self::Over(index, seen) => (*index, seen.skin(), seen.positions()),
+        }
     }
 }
 

@@ -71,12 +71,12 @@ impl FieldGrid {
                 };
             }
         }
-        let shown = region.shown_uvs();
+        let shown = region.shown().uvs;
         let uvs = origins.as_slice().iter().map(|origin| {
             let [a, b, c] = shown[origin.face.index()];
             origin.corners.map(|[u, v, w]| a * u + b * v + c * w)
         });
-        let under = region.artist();
+        let under = region.shown().artist;
         let artist = origins.as_slice().iter().map(|origin| {
             let (triangle, corners) = &under[origin.face.index()];
             (

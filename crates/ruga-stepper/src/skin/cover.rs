@@ -7,8 +7,8 @@ use nalgebra::{Matrix2, Vector2, Vector3};
 use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_mesh::{
-    Id, LimitPoints, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh,
-    limit_rows,
+    Id, LimitPoints, LoopSurface, MaterialPoint, PerVertex, SparseRows, SurfaceLookup,
+    TangentPlane, TriMesh, limit_rows,
 };
 
 use crate::skin::fading::faded_from;
@@ -38,7 +38,7 @@ pub(crate) struct Cover {
     at_vertices: SparseRows,
     /// What of the lower layer is whose mirror image, of one half of a symmetric pose.
     images: Option<Images>,
-    /// Per covered vertex the fold of the lower layer that it lies close to.
+    /// Per covered vertex the fold of the lower layer that it lies close to; empty where that has no creases.
     folds: Vec<Option<FoldBelow>>,
     /// Per covered vertex the upper mesh's tangents at rest, as columns, in the lower one's.
     tangents: Vec<Matrix2<f64>>,
@@ -103,28 +103,31 @@ impl Cover {
         &self.weights
     }
 
-    /// Per covered vertex the fold of the layer below that is closer than the rim is wide.
-    pub(crate) fn folds(&self) -> &[Option<FoldBelow>] {
-        &self.folds
+    /// Whether the layer below has creases.
+    pub(crate) fn has_folds(&self) -> bool {
+        !self.folds.is_empty()
     }
 
-    /// Interpolates vectors at the lower layer's vertices to every covered vertex, with their
-    /// derivatives along the upper mesh's own tangents.
-    pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> [Vec<Vector3<f64>>; 3] {
+    /// The fold of the layer below that is closer to the `i`-th covered vertex than the rim is wide.
+    pub(crate) fn fold(&self, i: usize) -> Option<&FoldBelow> {
+        self.folds.get(i)?.as_ref()
+    }
+
+    /// Interpolates vectors at the lower layer's vertices to every covered vertex; [`Self::along`] turns the
+    /// derivatives.
+    pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> Vec<TangentPlane> {
         // The limit surface alone loses some per cent of a wave, which would be missing in the map.
         let control = match &self.images {
             None => through_vertices(&self.at_vertices, values),
             Some(images) => through_vertices(&self.at_vertices, &images.vectors(values)),
         };
-        let planes = self.limit.planes(&control);
-        let along = |column: usize| {
-            let firsts = planes.iter().map(|plane| plane.first).zip(&self.tangents);
-            firsts
-                .map(|([u, v], t)| u * t[(0, column)] + v * t[(1, column)])
-                .collect()
-        };
-        let positions = planes.iter().map(|plane| plane.position).collect();
-        [positions, along(0), along(1)]
+        self.limit.planes(&control)
+    }
+
+    /// Derivatives along the upper mesh's own tangents of what is interpolated at the `i`-th covered vertex.
+    pub(crate) fn along(&self, i: usize, interpolated: &TangentPlane) -> [Vector3<f64>; 2] {
+        let ([u, v], tangents) = (interpolated.first, &self.tangents[i]);
+        [0, 1].map(|k| u * tangents[(0, k)] + v * tangents[(1, k)])
     }
 }
 

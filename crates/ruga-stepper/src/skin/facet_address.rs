@@ -8,6 +8,7 @@
 //! a corner that stands out, the closest places avoid the corner.
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3, Matrix3x2, Vector2, Vector3};
+use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh};
 
@@ -38,6 +39,9 @@ const THIN: f64 = 0.1;
 
 /// Fraction of its area in the texture that a thin face keeps, and one over that by which it may grow.
 const KEPT: f64 = 0.5;
+
+/// Vertices or faces that a thread addresses at least.
+const AT_ONCE: usize = 1024;
 
 /// A mesh of places of the smooth surface, none of its faces across an edge of the driver.
 pub(crate) struct Piece<'a> {
@@ -76,12 +80,11 @@ impl FacetAddresses {
                 break;
             }
         }
-        let uvs: Vec<_> = (0..piece.uvs.len())
-            .map(|face| shifted(piece, &shifts, face))
-            .collect();
-        let corners = uvs.iter().enumerate().map(|(face, uvs)| {
+        let faces = || (0..piece.uvs.len()).into_par_iter().with_min_len(AT_ONCE);
+        let uvs: Vec<_> = faces().map(|face| shifted(piece, &shifts, face)).collect();
+        let corners = faces().map(|face| {
             let origin = &piece.origins[FaceId::from_index(face)];
-            barycentric(&driver.uvs()[origin.face], uvs)
+            barycentric(&driver.uvs()[origin.face], &uvs[face])
                 .filter(|corners| corners.as_flattened().iter().all(|w| w.abs() <= FAR_OUT))
                 .unwrap_or(origin.corners)
         });
@@ -99,9 +102,10 @@ type Way = Option<(f64, Vector2<f64>)>;
 fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
     let border = driver.topology().border_vertices();
     let seams = seam_vertices(piece);
-    let lines = piece.positions.iter().zip(piece.normals);
-    let vertices = piece.points.iter().zip(lines).zip(seams);
+    let lines = piece.positions.par_iter().zip(piece.normals);
+    let vertices = piece.points.par_iter().zip(lines).zip(seams);
     vertices
+        .with_min_len(AT_ONCE)
         .map(|((point, line), is_seam)| {
             // On a border the shift could lead out of the texture's island, and at a seam there are
             // two islands to shift in.
@@ -256,7 +260,8 @@ fn halve_where_folded(piece: &Piece<'_>, shifts: &mut [Vector2<f64>]) -> bool {
         let after = area(&shifted(piece, shifts, face));
         after * before.signum() < LEAST_AREA * before.abs()
     };
-    let folded: Vec<usize> = (0..piece.uvs.len()).filter(|&f| is_folded(f)).collect();
+    let faces = (0..piece.uvs.len()).into_par_iter().with_min_len(AT_ONCE);
+    let folded: Vec<usize> = faces.filter(|&face| is_folded(face)).collect();
     for &face in &folded {
         for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
             // Shifts are halved and looked at again, because neighbours share the vertices.
@@ -325,7 +330,7 @@ mod tests {
             let region = region(&driver, 3, 5e-4);
             let faces = region.skin.mesh.faces().ids();
             let uvs: Vec<_> = faces.map(|face| region.uvs(&driver, face)).collect();
-            let [before, after] = [&uvs[..], region.shown_uvs()].map(|uvs| misses(&region, uvs));
+            let [before, after] = [&uvs[..], &region.shown().uvs].map(|uvs| misses(&region, uvs));
             assert!(before > 1e-4, "{before} m");
             assert!(after < 1e-12, "{after} m");
         }
@@ -336,7 +341,7 @@ mod tests {
     fn islands_stay_whole() {
         let region = region(&uneven(3e-4), 2, 0.0);
         let area = |[a, b, c]: &[Vector2<f64>; 3]| 0.5 * (b - a).perp(&(c - a));
-        let areas: Vec<f64> = region.shown_uvs().iter().map(area).collect();
+        let areas: Vec<f64> = region.shown().uvs.iter().map(area).collect();
         assert!(areas.iter().all(|area| *area > 0.0));
         let total: f64 = areas.iter().sum();
         assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
@@ -376,12 +381,12 @@ mod tests {
             }
         }
         let region = region(&Driver::new(&mesh).expect("a square in two halves"), 2, 0.0);
-        let total: f64 = (region.shown_uvs().iter())
+        let total: f64 = (region.shown().uvs.iter())
             .map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a)))
             .inspect(|area| assert!(*area > 0.0))
             .sum();
         assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
-        for uvs in region.shown_uvs().iter() {
+        for uvs in region.shown().uvs.iter() {
             assert!(uvs.iter().all(|uv| uv.x < 0.5) || uvs.iter().all(|uv| uv.x > 0.5));
         }
     }

@@ -17,14 +17,15 @@ pub(crate) struct FoldBelow {
     pub(crate) beside: f64,
 }
 
-/// The fold of `lower` beside each of `places` on it, where there is one closer than `reach` (m, > 0).
+/// The fold of `lower` beside each of `places` on it, where there is one closer than `reach` (m, > 0); empty where it has
+/// no creases.
 pub(crate) fn folds_below(
     lower: &SkinMesh,
     places: &[MaterialPoint],
     reach: f64,
 ) -> Vec<Option<FoldBelow>> {
     if lower.creases.is_empty() {
-        return vec![None; places.len()];
+        return Vec::new();
     }
     let rest = &lower.rest.positions;
     let edges = lower.creases.iter();

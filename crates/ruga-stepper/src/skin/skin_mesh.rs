@@ -22,9 +22,11 @@ use crate::skin::piece::{Piece, blend};
 use crate::{ArtistPlace, LayerSpec, StepperError};
 
 mod output;
+mod shown;
 mod sizing;
 
 pub(crate) use output::OUTPUT_SLACK;
+pub(crate) use shown::ShownMesh;
 pub(crate) use sizing::SizingStrains;
 
 use sizing::RemeshInput;
@@ -247,36 +249,12 @@ impl RegionMesh {
         self
     }
 
-    /// The corners of every triangle as results number them: vertices on creases once for each side.
-    pub(crate) fn shown_faces(&self) -> &Arc<[[u32; 3]]> {
-        &self.shown_faces
-    }
-
-    /// Values at the vertices of this mesh for those of the mesh that results have.
-    pub(crate) fn on_both_sides<T: Copy>(&self, values: Vec<T>) -> Vec<T> {
-        match &self.opened {
-            Some(opened) => opened.iter().map(|v| values[v.index()]).collect(),
-            None => values,
-        }
-    }
-
     /// Texture coordinates of the material points of a triangle's corners, V down.
     pub(crate) fn uvs(&self, driver: &Driver, face: FaceId) -> [Vector2<f64>; 3] {
         let origin = &self.origins[face];
         origin
             .corners
             .map(|weights| blend(&driver.uvs()[origin.face], weights))
-    }
-
-    /// Texture coordinates of every triangle's corners, V down, as the artist's flat triangles show
-    /// them.
-    pub(crate) fn shown_uvs(&self) -> &Arc<[[Vector2<f64>; 3]]> {
-        &self.shown_uvs
-    }
-
-    /// The file's triangle under every triangle, and its corners' places there.
-    pub(crate) fn artist(&self) -> &Arc<[ArtistPlace]> {
-        &self.artist
     }
 
     /// A mesh of the region that is as fine as `strains` and the rest shape ask for, in the

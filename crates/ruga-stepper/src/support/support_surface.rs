@@ -1,5 +1,7 @@
 //! The surface that a layer lies on: the layer below where there is one, driver or body elsewhere.
 
+use std::cell::OnceCell;
+
 use nalgebra::{Matrix2, SymmetricEigen, Vector3};
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_mesh::{PerFace, vertex_normals};
@@ -86,6 +88,117 @@ pub(crate) struct TangentialSprings {
     pub(crate) gradient: f64,
 }
 
+/// A mesh on what carries all layers.
+pub(crate) struct OnSupport<'a> {
+    driver: &'a Driver,
+    support: &'a dyn Support,
+    skin: &'a SkinMesh,
+    /// What carries all layers, at the vertices.
+    pub(crate) posed: PosedSurface,
+    /// How that changes with the barycentric coordinates, once it was asked for.
+    derivatives: OnceCell<Vec<[Vector3<f64>; 2]>>,
+}
+
+impl<'a> OnSupport<'a> {
+    pub(crate) fn new(
+        (driver, support): (&'a Driver, &'a dyn Support),
+        skin: &'a SkinMesh,
+    ) -> Self {
+        Self {
+            driver,
+            support,
+            skin,
+            posed: support.pose(skin),
+            derivatives: OnceCell::new(),
+        }
+    }
+
+    /// The surface of [`support_surface`] alone, where it is shown and no rest metric is asked for.
+    pub(crate) fn below(&self, attachment: Attachment, lower: &[LowerLayer<'_>]) -> PosedSurface {
+        let (middle, distance) = self.surface_and_distance(attachment, lower);
+        PosedSurface {
+            positions: lifted(&middle, &distance, 1.0),
+            ..middle
+        }
+    }
+
+    /// The surface that a layer lies on, and how far above it every vertex is (m).
+    fn surface_and_distance(
+        &self,
+        attachment: Attachment,
+        lower: &[LowerLayer<'_>],
+    ) -> (PosedSurface, Vec<f64>) {
+        let mut middle = self.posed.clone();
+        let mut distance = vec![attachment.offset; middle.positions.len()];
+        // What an upper one of them covers is its surface; where it is not, that of the next lower one.
+        for lower in lower {
+            let rim = RIM * (attachment.offset - lower.offset);
+            let cover = lower.covers.of(self.driver, self.skin, lower.skin, rim);
+            let rises = self.lay_on(&cover, lower, &mut middle);
+            for (&vertex, rise) in cover.vertices().iter().zip(rises) {
+                distance[vertex as usize] = rise * (attachment.offset - lower.offset);
+            }
+        }
+        (middle, distance)
+    }
+
+    /// Puts a layer below in the place of what lies below it, wherever that layer is; returns how far along its normals
+    /// a unit of height above it is, for every covered vertex. Over a rim its normals turn into those of what is there
+    /// without it.
+    ///
+    /// Beside a fold they turn into the one between its two sides, which would cross each other above it: the layer
+    /// above then has a fold of its own, as high above both sides as elsewhere.
+    ///
+    /// Deviations, not positions, are interpolated: they vanish at the layer's ragged border, where a
+    /// smooth surface through positions would cut the corners.
+    fn lay_on(&self, cover: &Cover, lower: &LowerLayer<'_>, middle: &mut PosedSurface) -> Vec<f64> {
+        // The base is without any offset, so that a deviation includes the lower layer's.
+        let base = self.support.pose(lower.skin).positions;
+        let deviations = lower.positions.iter().zip(&base);
+        let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
+        let changes = cover.interpolate(&deviations);
+        let posed = self
+            .derivatives
+            .get_or_init(|| self.support.derivatives(self.skin));
+        let between = match cover.has_folds() {
+            true => vertex_normals(&lower.skin.mesh, lower.positions),
+            false => Vec::new(),
+        };
+        let mut rises = vec![1.0; changes.len()];
+        let vertices = cover.vertices().iter().zip(cover.weights());
+        let covered = vertices.zip(&changes).zip(&mut rises).enumerate();
+        for (k, (((&vertex, fraction), change), rise)) in covered {
+            let i = vertex as usize;
+            let [along_u, along_v] = cover.along(k, change);
+            // It is added to the driver's or body's own place, because the deviation of a layer counts
+            // from there and not from another layer that is covered too.
+            middle.positions[i] = self.posed.positions[i] + change.position;
+            let first = posed[i][0] + along_u;
+            let second = posed[i][1] + along_v;
+            let normal = first.cross(&second).try_normalize(0.0);
+            let normal = normal.map(|normal| match cover.fold(k) {
+                None => normal,
+                Some(fold) => {
+                    let [a, b] = fold.ends.map(|v| between[v]);
+                    let turned = a.lerp(&b, fold.fraction).lerp(&normal, fold.beside);
+                    let turned = turned.try_normalize(0.0).unwrap_or(normal);
+                    *rise = 1.0 + fraction * (1.0 / turned.dot(&normal).max(LEAST_COSINE) - 1.0);
+                    turned
+                }
+            });
+            let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *fraction));
+            if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
+                // The normal has been turned in the rim, so that the first tangent is no longer at
+                // right angles to it.
+                let tangent = first - normal * normal.dot(&first);
+                middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
+                middle.normals[i] = normal;
+            }
+        }
+        rises
+    }
+}
+
 /// The surface below the vertices of `skin`, whose rest positions include the attachment's offset: what carries
 /// all layers, and on it the `lower` ones, bottom first.
 pub(crate) fn support_surface(
@@ -94,7 +207,7 @@ pub(crate) fn support_surface(
     attachment: Attachment,
     lower: &[LowerLayer<'_>],
 ) -> SupportSurface {
-    let (middle, distance) = surface_and_distance(on, skin, attachment, lower);
+    let (middle, distance) = OnSupport::new(on, skin).surface_and_distance(attachment, lower);
     let positions = lifted(&middle, &distance, 1.0);
     let transfer = (attachment.offset > 0.0 && attachment.bending_transfer < 1.0).then(|| {
         // Where the layer rests, between the surface below and its own place.
@@ -119,42 +232,6 @@ pub(crate) fn support_surface(
         transfer,
         growth: None,
     }
-}
-
-/// The surface of [`support_surface`] alone, where it is shown and no rest metric is asked for.
-pub(crate) fn posed_below(
-    on: (&Driver, &dyn Support),
-    skin: &SkinMesh,
-    attachment: Attachment,
-    lower: &[LowerLayer<'_>],
-) -> PosedSurface {
-    let (middle, distance) = surface_and_distance(on, skin, attachment, lower);
-    PosedSurface {
-        positions: lifted(&middle, &distance, 1.0),
-        ..middle
-    }
-}
-
-/// The surface that a layer lies on, and how far above it every vertex is (m).
-fn surface_and_distance(
-    (driver, support): (&Driver, &dyn Support),
-    skin: &SkinMesh,
-    attachment: Attachment,
-    lower: &[LowerLayer<'_>],
-) -> (PosedSurface, Vec<f64>) {
-    let mut middle = support.pose(skin);
-    let on_support = middle.positions.clone();
-    let mut distance = vec![attachment.offset; middle.positions.len()];
-    // What an upper one of them covers is its surface; where it is not, that of the next lower one.
-    for lower in lower {
-        let rim = RIM * (attachment.offset - lower.offset);
-        let cover = lower.covers.of(driver, skin, lower.skin, rim);
-        let rises = lay_on(&cover, (skin, &on_support), support, lower, &mut middle);
-        for (&vertex, rise) in cover.vertices().iter().zip(rises) {
-            distance[vertex as usize] = rise * (attachment.offset - lower.offset);
-        }
-    }
-    (middle, distance)
 }
 
 /// Places at a `fraction` of their distance (m) above a surface.
@@ -187,67 +264,6 @@ fn power(matrix: &Matrix2<f64>, exponent: f64, [low, high]: [f64; 2]) -> Matrix2
         .map(|value| value.clamp(low, high).powf(exponent));
     let vectors = eigen.eigenvectors;
     vectors * Matrix2::from_diagonal(&values) * vectors.transpose()
-}
-
-/// Puts a layer below in the place of what lies below it, wherever that layer is; returns how far along its normals
-/// a unit of height above it is, for every covered vertex. Over a rim its normals turn into those of what is there
-/// without it.
-///
-/// Beside a fold they turn into the one between its two sides, which would cross each other above it: the layer
-/// above then has a fold of its own, as high above both sides as elsewhere.
-///
-/// Deviations, not positions, are interpolated: they vanish at the layer's ragged border, where a
-/// smooth surface through positions would cut the corners.
-fn lay_on(
-    cover: &Cover,
-    (skin, on_support): (&SkinMesh, &[Vector3<f64>]),
-    support: &dyn Support,
-    lower: &LowerLayer<'_>,
-    middle: &mut PosedSurface,
-) -> Vec<f64> {
-    // The base is without any offset, so that a deviation includes the lower layer's.
-    let base = support.pose(lower.skin).positions;
-    let deviations = lower.positions.iter().zip(&base);
-    let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
-    let [change, along_u, along_v] = cover.interpolate(&deviations);
-    let posed = support.derivatives(skin);
-    let changes = change.iter().zip(along_u.iter().zip(&along_v));
-    let vertices = cover.vertices().iter().zip(cover.weights());
-    let folds = cover.folds();
-    let between = match folds.iter().any(Option::is_some) {
-        true => vertex_normals(&lower.skin.mesh, lower.positions),
-        false => Vec::new(),
-    };
-    let mut rises = vec![1.0; folds.len()];
-    let numbered = vertices.zip(changes).zip(folds).zip(&mut rises);
-    for ((((&vertex, fraction), (change, (along_u, along_v))), fold), rise) in numbered {
-        let i = vertex as usize;
-        // It is added to the driver's or body's own place, because the deviation of a layer counts
-        // from there and not from another layer that is covered too.
-        middle.positions[i] = on_support[i] + change;
-        let first = posed[i][0] + along_u;
-        let second = posed[i][1] + along_v;
-        let normal = first.cross(&second).try_normalize(0.0);
-        let normal = normal.map(|normal| match fold {
-            None => normal,
-            Some(fold) => {
-                let [a, b] = fold.ends.map(|v| between[v]);
-                let turned = a.lerp(&b, fold.fraction).lerp(&normal, fold.beside);
-                let turned = turned.try_normalize(0.0).unwrap_or(normal);
-                *rise = 1.0 + fraction * (1.0 / turned.dot(&normal).max(LEAST_COSINE) - 1.0);
-                turned
-            }
-        });
-        let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *fraction));
-        if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
-            // The normal has been turned in the rim, so that the first tangent is no longer at
-            // right angles to it.
-            let tangent = first - normal * normal.dot(&first);
-            middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
-            middle.normals[i] = normal;
-        }
-    }
-    rises
 }
 
 #[cfg(test)]

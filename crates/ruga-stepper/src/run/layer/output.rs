@@ -1,18 +1,22 @@
 //! The mesh on which a layer's results are shown.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::Matrix3;
 use ruga_blend::Driver;
+use ruga_material::Wrinkling;
 use ruga_mesh::PerFace;
 
 use super::Layer;
+use super::snapshot::{Seen, Shape};
+use crate::LayerSpec;
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::skin::interpolation::Interpolation;
 use crate::skin::piece::Piece;
 use crate::skin::relief::ReliefWeights;
-use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin::skin_mesh::{RegionMesh, ShownMesh, SkinMesh};
 
 /// The output mesh of a layer's region: made, or known well enough to make it. It takes more memory than the layer, and
 /// nothing asks for it before the layer is solved.
@@ -31,13 +35,13 @@ pub(crate) struct Unmade {
 }
 
 /// What a layer is shown by.
-pub(super) enum Output {
+pub(crate) enum Output {
     Made(Box<Shown>),
     Later(Arc<Unmade>),
 }
 
 /// The output mesh, and how the layer comes to be on it.
-pub(super) struct Shown {
+pub(crate) struct Shown {
     pub(super) region: RegionMesh,
     /// Weights of the relief at its vertices.
     pub(super) weights: ReliefWeights,
@@ -45,6 +49,57 @@ pub(super) struct Shown {
     pub(super) interpolation: Option<Interpolation>,
     /// Pieces to make it of anew; `None` where it cannot be.
     pub(super) unmade: Option<Arc<Unmade>>,
+}
+
+/// The output mesh of a layer, and what is known of the layer at its vertices.
+pub(crate) struct OnOutput<'o> {
+    pub(crate) mesh: ShownMesh<'o>,
+    /// Weights of the relief.
+    pub(super) weights: Cow<'o, ReliefWeights>,
+    pub(super) shape: Shape,
+}
+
+impl Shown {
+    /// What shows a layer by this specification, whose mesh `skin` is a fitted one, on `region`, which was made of
+    /// `unmade`: `often`, or only in its present shape.
+    pub(super) fn new(
+        driver: &Driver,
+        (spec, wrinkling, skin): (&LayerSpec, &Wrinkling, &SkinMesh),
+        (region, unmade): (RegionMesh, Arc<Unmade>),
+        often: bool,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Self, Halt> {
+        let interpolation = match often {
+            true => interpolation_to(skin, &region, preparing)?,
+            false => {
+                preparing.while_wanted(|goes_on| Interpolation::new(skin, &region.skin, goes_on))?
+            }
+        };
+        Ok(Self {
+            weights: ReliefWeights::new(driver, spec, wrinkling, &region.skin)?,
+            region,
+            interpolation: Some(interpolation),
+            unmade: Some(unmade),
+        })
+    }
+
+    /// Its mesh, and at its vertices what is `seen` of the layer.
+    fn of(&self, seen: &Seen<'_>) -> OnOutput<'_> {
+        OnOutput {
+            shape: seen.shape.on_output(self.interpolation.as_ref()),
+            mesh: self.region.shown(),
+            weights: Cow::Borrowed(&self.weights),
+        }
+    }
+
+    /// The same, where nothing else will be shown.
+    pub(crate) fn last_of(self, seen: &Seen<'_>) -> OnOutput<'static> {
+        OnOutput {
+            shape: seen.shape.on_output(self.interpolation.as_ref()),
+            mesh: self.region.into_shown(),
+            weights: Cow::Owned(self.weights),
+        }
+    }
 }
 
 impl Layer {
@@ -64,28 +119,26 @@ impl Layer {
         }
     }
 
-    /// Shows the layer, whose mesh is a fitted one, on `region` from now on, which was made of `unmade`: `often`, or
-    /// only in its present shape.
+    /// Shows the layer, whose mesh is a fitted one, on `made` from now on: `often`, or only in its present shape.
     pub(crate) fn show_on(
         &mut self,
         driver: &Driver,
-        (region, unmade): (RegionMesh, Arc<Unmade>),
+        made: (RegionMesh, Arc<Unmade>),
         often: bool,
         preparing: &mut Preparing<'_>,
     ) -> Result<(), Halt> {
-        let interpolation = match often {
-            true => interpolation_to(&self.skin, &region, preparing)?,
-            false => preparing
-                .while_wanted(|goes_on| Interpolation::new(&self.skin, &region.skin, goes_on))?,
-        };
-        let weights = ReliefWeights::new(driver, &self.spec, &self.wrinkling, &region.skin)?;
-        self.output = Output::Made(Box::new(Shown {
-            region,
-            weights,
-            interpolation: Some(interpolation),
-            unmade: Some(unmade),
-        }));
+        let layer = (&self.spec, &self.wrinkling, &self.skin);
+        let shown = Shown::new(driver, layer, made, often, preparing)?;
+        self.output = Output::Made(Box::new(shown));
         Ok(())
+    }
+
+    /// Its output mesh, and at its vertices what is `seen` of the layer.
+    ///
+    /// # Panics
+    /// As [`Self::region`].
+    pub(crate) fn on_output(&self, seen: &Seen<'_>) -> OnOutput<'_> {
+        self.shown().of(seen)
     }
 
     /// Gives back the output mesh where it can be made again: it takes as much memory as what solves the layer.
@@ -113,18 +166,18 @@ impl Layer {
         self.shown().interpolation.as_ref()
     }
 
+    fn shown(&self) -> &Shown {
+        match &self.output {
+            Output::Made(shown) => shown,
+            Output::Later(_) => unreachable!("an output mesh is made before it is shown"),
+        }
+    }
+
     /// Whether the layer's mesh is another than its output mesh.
     pub(crate) fn is_fitted(&self) -> bool {
         match &self.output {
             Output::Made(shown) => shown.interpolation.is_some(),
             Output::Later(_) => true,
-        }
-    }
-
-    pub(super) fn shown(&self) -> &Shown {
-        match &self.output {
-            Output::Made(shown) => shown,
-            Output::Later(_) => unreachable!("an output mesh is made before it is shown"),
         }
     }
 }

@@ -1,138 +1,127 @@
 //! A layer as others see it.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 use ruga_blend::{Driver, PosedSurface};
+use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, vertex_means};
 
 use super::Layer;
-use crate::skin::interpolation::Values;
+use super::output::{OnOutput, Output, Shown, Unmade};
+use crate::error::Halt;
+use crate::preparing::Preparing;
+use crate::skin::interpolation::{Interpolation, Values};
 use crate::skin::quiet::{VertexDemand, wrinkled_shares};
 use crate::skin::relief::{ReliefWeights, shown_positions};
-use crate::skin::skin_mesh::SkinMesh;
+use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
 use crate::skin::upper_shell::UpperShell;
-use crate::support::Support;
-use crate::{ComputedMesh, LayerSurface};
+use crate::{ComputedMesh, LayerSpec, LayerSurface};
 
 /// Distance (wavelengths) from the plane where one half of a symmetric pose ends within which the other half counts in
 /// what is shown: more than discs and fades reach.
 const BESIDE_PLANE: f64 = 2.0;
 
-/// Deviations (m) and demands at the vertices of an output mesh.
-pub(crate) type OnRegion = (Vec<Vector3<f64>>, Vec<VertexDemand>);
+/// A layer as others see it: its mesh, its shape, and what the surface below asks of it. What solves it, three quarters
+/// of its memory, is not needed for that.
+pub(crate) struct Seen<'l> {
+    spec: Cow<'l, LayerSpec>,
+    wrinkling: Wrinkling,
+    skin: Cow<'l, SkinMesh>,
+    /// Weights of the relief on its own mesh.
+    weights: Cow<'l, ReliefWeights>,
+    upper: Option<Cow<'l, UpperShell>>,
+    /// The support surface on its own mesh.
+    posed: Cow<'l, PosedSurface>,
+    /// Positions of its vertices, then of those of a layer that moves together with it, m.
+    positions: Cow<'l, [Vector3<f64>]>,
+    pub(super) shape: Shape,
+}
 
-impl Layer {
-    /// The layer as others see it, and one that moves together with it: with what is known `on_region`, over `real`,
-    /// which is what lies below the region's own mesh, or as maps show that, over `shown`, and the `support` of all
-    /// layers.
-    pub(crate) fn snapshots(
-        &self,
-        (driver, support): (&Driver, &dyn Support),
-        (deviations, demands): OnRegion,
-        (real, shown): (&PosedSurface, &PosedSurface),
-        offset: f64,
-    ) -> Vec<LayerSurface> {
-        let own = &self.positions[..self.vertex_count()];
-        let computed = ComputedMesh::new(driver, &self.skin, own);
-        let region = self.region();
-        let surface = support.pose(&region.skin);
-        // The support surface is known on the output mesh itself. Only the deviation from it is
-        // carried over from the layer's coarser mesh, so that smooth parts of the region stay
-        // exact.
-        let positions = sums(&real.positions, &deviations);
-        let weights = self.region_weights(&demands, real);
-        let relief = shown_positions(&positions, real, shown, &weights);
-        let own = LayerSurface {
-            name: self.spec.name.clone(),
-            relief: region.on_both_sides(relief),
-            positions: region.on_both_sides(positions),
-            driver_positions: region.on_both_sides(surface.positions),
-            driver_normals: region.on_both_sides(surface.normals),
-            offset,
-            faces: Arc::clone(region.shown_faces()),
-            uvs: Arc::clone(region.shown_uvs()),
-            artist: Arc::clone(region.artist()),
-            on_plane: region.skin.on_plane.as_slice().into(),
-            computed,
-            face_states: None,
-            burnt: None,
+/// Where a layer is on what lies below it, at the vertices of a mesh.
+#[derive(Clone)]
+pub(crate) struct Shape {
+    /// Displacements of the vertices from where they would be without wrinkles, m.
+    deviations: Vec<Vector3<f64>>,
+    /// Those of a layer that moves together with it, m; empty where there is none.
+    upper_deviations: Vec<Vector3<f64>>,
+    /// What the support surface asks for.
+    demands: Vec<VertexDemand>,
+}
+
+impl Shape {
+    /// The same at the vertices that `interpolation` takes it to; where there is none, at its own.
+    pub(super) fn on_output(&self, interpolation: Option<&Interpolation>) -> Self {
+        let Some(interpolation) = interpolation else {
+            return self.clone();
         };
-        let upper = self.upper.as_ref();
-        let upper = upper.map(|upper| self.upper_snapshot(driver, upper, (&own, real), &demands));
-        std::iter::once(own).chain(upper).collect()
-    }
-
-    /// The layer `upper` that moves together with this one, of which `own` is the snapshot.
-    fn upper_snapshot(
-        &self,
-        driver: &Driver,
-        upper: &UpperShell,
-        (own, region_below): (&LayerSurface, &PosedSurface),
-        demands: &[VertexDemand],
-    ) -> LayerSurface {
-        let above = upper.above(&region_below.positions, &region_below.normals);
-        let above = PosedSurface {
-            positions: above.collect(),
-            ..region_below.clone()
-        };
-        let deviations = self.upper_deviations();
-        let deviations = match self.interpolation() {
-            None => deviations,
-            Some(interpolation) => {
-                let [deviations] = interpolation.apply([Values::Vectors(&deviations)]);
-                deviations
-            }
-        };
-        let positions = sums(&above.positions, &deviations);
-        let weights = self.region_weights(demands, &above);
-        let relief = shown_positions(&positions, &above, &above, &weights);
-        LayerSurface {
-            name: upper.name.clone(),
-            relief: self.region().on_both_sides(relief),
-            positions: self.region().on_both_sides(positions),
-            offset: own.offset + upper.offset,
-            computed: ComputedMesh::new(driver, &self.skin, &self.positions[self.vertex_count()..]),
-            ..own.clone()
-        }
-    }
-
-    /// Positions of the layer's own vertices as maps show them, over the support surface as maps
-    /// show that.
-    pub(crate) fn shown_positions(&self, shown: &PosedSurface) -> Vec<Vector3<f64>> {
-        let own = &self.positions[..self.vertex_count()];
-        let weights = shown_weights(
-            &self.weights,
-            &self.skin,
-            (&self.demands(), &self.support.posed),
-        );
-        shown_positions(own, &self.support.posed, shown, &weights)
-    }
-
-    /// Weights of the relief at the vertices of the output mesh over `surface`, with the present strain.
-    fn region_weights(&self, demands: &[VertexDemand], surface: &PosedSurface) -> Vec<f64> {
-        let output = self.shown();
-        shown_weights(&output.weights, &output.region.skin, (demands, surface))
-    }
-
-    /// What is known of the layer at the vertices of the output mesh.
-    pub(crate) fn on_region(&self) -> OnRegion {
-        let (deviations, demands) = (self.deviations(), self.demands());
-        let Some(interpolation) = self.interpolation() else {
-            return (deviations, demands);
-        };
-        let values = demands.iter();
+        let values = self.demands.iter();
         let values = values.map(|d| Vector3::new(d.strain_ratio, d.wavelength, d.turn));
         let values: Vec<_> = values.collect();
-        // Both at once: most of the work on a place serves all that is known there.
-        let both = [Values::Vectors(&deviations), Values::Numbers(&values)];
-        let [deviations, values] = interpolation.apply(both);
+        // All at once: most of the work on a place serves everything that is known there.
+        let own = [Values::Vectors(&self.deviations), Values::Numbers(&values)];
+        let (deviations, upper_deviations, values) = match self.upper_deviations.is_empty() {
+            true => {
+                let [deviations, values] = interpolation.apply(own);
+                (deviations, Vec::new(), values)
+            }
+            false => {
+                let [deviations, values] = own;
+                let upper = Values::Vectors(&self.upper_deviations);
+                let [deviations, upper, values] = interpolation.apply([deviations, upper, values]);
+                (deviations, upper, values)
+            }
+        };
         let demand = |value: Vector3<f64>| VertexDemand {
             strain_ratio: value.x,
             wavelength: value.y,
             turn: value.z,
         };
-        (deviations, values.into_iter().map(demand).collect())
+        Self {
+            deviations,
+            upper_deviations,
+            demands: values.into_iter().map(demand).collect(),
+        }
+    }
+}
+
+impl Layer {
+    /// The layer as others see it.
+    pub(crate) fn seen(&self) -> Seen<'_> {
+        Seen {
+            shape: self.shape(),
+            spec: Cow::Borrowed(&self.spec),
+            wrinkling: self.wrinkling,
+            skin: Cow::Borrowed(&self.skin),
+            weights: Cow::Borrowed(&self.weights),
+            upper: self.upper.as_ref().map(Cow::Borrowed),
+            posed: Cow::Borrowed(&self.support.posed),
+            positions: Cow::Borrowed(&self.positions),
+        }
+    }
+
+    /// What others see of a layer that is solved no further, and what it is shown by.
+    pub(crate) fn into_seen(self) -> (Seen<'static>, Output) {
+        let seen = Seen {
+            shape: self.shape(),
+            spec: Cow::Owned(self.spec),
+            wrinkling: self.wrinkling,
+            skin: Cow::Owned(self.skin),
+            weights: Cow::Owned(self.weights),
+            upper: self.upper.map(Cow::Owned),
+            posed: Cow::Owned(self.support.posed),
+            positions: Cow::Owned(self.positions),
+        };
+        (seen, self.output)
+    }
+
+    fn shape(&self) -> Shape {
+        Shape {
+            deviations: self.deviations(),
+            upper_deviations: self.upper_deviations(),
+            demands: self.demands(),
+        }
     }
 
     /// What the support surface asks of the layer, or of the softer of two that move together, at the
@@ -153,10 +142,116 @@ impl Layer {
         self.let_turn_near_slits(&mut demands);
         demands
     }
+}
 
-    /// Support surface of the layer's own mesh.
+impl Seen<'_> {
+    /// The mesh that it was computed on.
+    pub(crate) fn skin(&self) -> &SkinMesh {
+        &self.skin
+    }
+
+    /// Positions of its vertices, then of those of a layer that moves together with it, m.
+    pub(crate) fn positions(&self) -> &[Vector3<f64>] {
+        &self.positions
+    }
+
+    /// Support surface of its own mesh.
     pub(crate) fn support(&self) -> &PosedSurface {
-        &self.support.posed
+        &self.posed
+    }
+
+    /// What shows the layer, whose mesh is a fitted one, once, on an output mesh that was `made`.
+    pub(crate) fn shown_on(
+        &self,
+        driver: &Driver,
+        made: (RegionMesh, Arc<Unmade>),
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Shown, Halt> {
+        let layer = (&*self.spec, &self.wrinkling, &*self.skin);
+        Shown::new(driver, layer, made, false, preparing)
+    }
+
+    /// The layer as results have it on its output mesh, and one that moves together with it: over `real`, which is what
+    /// lies below that mesh, or as maps show that, over `shown`. All layers are on `support`.
+    pub(crate) fn snapshots(
+        &self,
+        on_output: &OnOutput<'_>,
+        (driver, support): (&Driver, PosedSurface),
+        (real, shown): (&PosedSurface, &PosedSurface),
+        offset: f64,
+    ) -> Vec<LayerSurface> {
+        let computed = ComputedMesh::new(driver, &self.skin, self.own_positions());
+        let mesh = &on_output.mesh;
+        // The support surface is known on the output mesh itself. Only the deviation from it is
+        // carried over from the layer's coarser mesh, so that smooth parts of the region stay
+        // exact.
+        let positions = sums(&real.positions, &on_output.shape.deviations);
+        let relief = shown_positions(&positions, real, shown, &on_output.weights(real));
+        let own = LayerSurface {
+            name: self.spec.name.clone(),
+            relief: mesh.on_both_sides(relief),
+            positions: mesh.on_both_sides(positions),
+            driver_positions: mesh.on_both_sides(support.positions),
+            driver_normals: mesh.on_both_sides(support.normals),
+            offset,
+            faces: Arc::clone(&mesh.faces),
+            uvs: Arc::clone(&mesh.uvs),
+            artist: Arc::clone(&mesh.artist),
+            on_plane: mesh.skin.on_plane.as_slice().into(),
+            computed,
+            face_states: None,
+            burnt: None,
+        };
+        let upper = self.upper.as_deref();
+        let upper = upper.map(|upper| self.upper_snapshot(driver, upper, (&own, real), on_output));
+        std::iter::once(own).chain(upper).collect()
+    }
+
+    /// The layer `upper` that moves together with this one, of which `own` is the snapshot.
+    fn upper_snapshot(
+        &self,
+        driver: &Driver,
+        upper: &UpperShell,
+        (own, region_below): (&LayerSurface, &PosedSurface),
+        on_output: &OnOutput<'_>,
+    ) -> LayerSurface {
+        let above = upper.above(&region_below.positions, &region_below.normals);
+        let above = PosedSurface {
+            positions: above.collect(),
+            ..region_below.clone()
+        };
+        let positions = sums(&above.positions, &on_output.shape.upper_deviations);
+        let relief = shown_positions(&positions, &above, &above, &on_output.weights(&above));
+        let mesh = &on_output.mesh;
+        let (_, upper_positions) = self.positions.split_at(self.skin.mesh.vertex_count());
+        LayerSurface {
+            name: upper.name.clone(),
+            relief: mesh.on_both_sides(relief),
+            positions: mesh.on_both_sides(positions),
+            offset: own.offset + upper.offset,
+            computed: ComputedMesh::new(driver, &self.skin, upper_positions),
+            ..own.clone()
+        }
+    }
+
+    /// Positions of the layer's own vertices as maps show them, over the support surface as maps
+    /// show that.
+    pub(crate) fn shown_positions(&self, shown: &PosedSurface) -> Vec<Vector3<f64>> {
+        let asked = (self.shape.demands.as_slice(), &*self.posed);
+        let weights = shown_weights(&self.weights, &self.skin, asked);
+        shown_positions(self.own_positions(), &self.posed, shown, &weights)
+    }
+
+    fn own_positions(&self) -> &[Vector3<f64>] {
+        &self.positions[..self.skin.mesh.vertex_count()]
+    }
+}
+
+impl OnOutput<'_> {
+    /// Weights of the relief over `surface`, with the present strain.
+    fn weights(&self, surface: &PosedSurface) -> Vec<f64> {
+        let asked = (self.shape.demands.as_slice(), surface);
+        shown_weights(&self.weights, &self.mesh.skin, asked)
     }
 }
 
