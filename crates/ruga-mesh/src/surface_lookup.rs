@@ -1,6 +1,5 @@
 //! Lookup of the material point of a surface that is closest to a point in space.
 
-use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use nalgebra::Vector3;
@@ -71,7 +70,8 @@ impl<'a> SurfaceLookup<'a> {
         reach: f64,
     ) -> Option<ClosestPlace> {
         let mut best = None;
-        let mut seen = BTreeSet::from([start]);
+        // Ascending; most searches see a dozen.
+        let mut seen = vec![start];
         // The order of the search is free: `precedes` decides between equal distances by face.
         let mut front = vec![start];
         while let Some(face) = front.pop() {
@@ -83,7 +83,12 @@ impl<'a> SurfaceLookup<'a> {
                 best = Some(place);
             }
             let beyond = (0..3).filter_map(|corner| self.mesh.neighbour(face, corner));
-            front.extend(beyond.filter(|&next| seen.insert(next)));
+            for next in beyond {
+                if let Err(at) = seen.binary_search(&next) {
+                    seen.insert(at, next);
+                    front.push(next);
+                }
+            }
         }
         best
     }

@@ -4,15 +4,14 @@ mod creases;
 mod elements;
 
 use nalgebra::{Matrix2, Matrix3, Vector3};
-use rayon::prelude::*;
-
 use ruga_mesh::{BlockPattern, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId};
 
-use crate::hinge::{Hinge, HingeState};
+use crate::hinge::Hinge;
 use crate::hinge_stiffness::{HINGE_EXPONENT, HingeShape};
 use crate::layer_creases::HingeCrease;
 use crate::layer_part::{PartNumbers, rank};
 use crate::natural_curvature::NaturalAngles;
+use crate::shared_out::{for_each_mut, in_order, values};
 use crate::sharp_fold::SharpFold;
 use crate::sheet_slots::SheetSlots;
 use crate::stars::Star;
@@ -29,14 +28,6 @@ pub(crate) struct LayerBending {
     creases: Vec<HingeCrease>,
     /// The stars with a crease on an inner edge: which star, and which edge has which crease.
     creased_stars: Vec<(u32, Vec<(u32, u32)>)>,
-}
-
-/// Changes every element, on all threads of the pool that this is called in, if any.
-fn for_each_mut<T: Send>(elements: &mut [T], change: impl Fn(&mut T) + Send + Sync) {
-    match rayon::current_thread_index() {
-        Some(_) => elements.par_iter_mut().for_each(change),
-        None => elements.iter_mut().for_each(change),
-    }
 }
 
 /// An inner edge of a mesh, without a stiffness.
@@ -264,10 +255,10 @@ impl LayerBending {
             let hinges = self.hinges.iter();
             return hinges.map(|element| element.value(x)).sum();
         }
-        let bends = self.bends(&self.states(x));
-        let curved = |star: &StarElement| star.value(&bends);
+        let bends = self.bends(x);
+        let curved = values(&self.stars, |star| star.value(&bends));
         let sharp = self.sharp_folds(&bends).map(|(_, fold)| fold.value);
-        self.stars.iter().map(curved).sum::<f64>() + sharp.sum::<f64>()
+        curved.into_iter().sum::<f64>() + sharp.sum::<f64>()
     }
 
     /// Adds the energy (J) to the faces of the stencils: a star's by their area, half of a hinge's and of a
@@ -289,7 +280,7 @@ impl LayerBending {
             }
             return;
         }
-        let bends = self.bends(&self.states(x));
+        let bends = self.bends(x);
         for (i, fold) in self.sharp_folds(&bends) {
             add_halves(&self.hinges[i], fold.value);
         }
@@ -316,14 +307,16 @@ impl LayerBending {
             }
             return;
         }
-        let states = self.states(x);
         // An edge belongs to the stars of both its ends. Summed into one moment, they need its
-        // derivatives only once.
-        let moments = self.moments(&self.bends(&states));
-        for ((element, state), moment) in self.hinges.iter().zip(&states).zip(moments) {
-            let forces = element.angle_gradient(state).map(|g| g * moment);
+        // derivatives only once. States of all hinges at once would take half as much memory as the layer.
+        let moments = self.moments(&self.bends(x));
+        let forces = |i: usize, element: &HingeElement| {
+            let gradient = element.angle_gradient(&element.state(x));
+            gradient.map(|g| g * moments[i])
+        };
+        in_order(&self.hinges, forces, |element, forces| {
             pattern.add_forces(gradient, &element.vertices, &forces);
-        }
+        });
     }
 
     /// Adds the second derivative to `exact`, and its Gauss-Newton part to `relaxed` unless that is
@@ -349,11 +342,13 @@ impl LayerBending {
             }
             return;
         }
-        let states = self.states(x);
+        let states: Vec<_> = self.hinges.iter().map(|element| element.state(x)).collect();
         // The second derivative has two parts of different reach: curvature of an angle couples the
         // four vertices of its hinge, squares couple all vertices of a star. Only the squares are
         // semidefinite, and the relaxed Hessian takes no other part.
-        let bends = self.bends(&states);
+        let elements = self.hinges.iter().zip(&states);
+        let bends = elements.map(|(element, state)| element.hinge.bend(state));
+        let bends: Vec<f64> = bends.collect();
         let moments = self.moments(&bends);
         let elements = self.hinges.iter().zip(&slots.hinges);
         for (((element, slots), state), moment) in elements.zip(&states).zip(moments) {
@@ -391,27 +386,22 @@ impl LayerBending {
         })
     }
 
-    fn states(&self, x: &[Vector3<f64>]) -> Vec<HingeState> {
-        self.hinges.iter().map(|element| element.state(x)).collect()
-    }
-
     /// How far each angle is from its rest value (rad).
-    fn bends(&self, states: &[HingeState]) -> Vec<f64> {
-        let elements = self.hinges.iter().zip(states);
-        elements
-            .map(|(element, state)| element.hinge.bend(state))
-            .collect()
+    fn bends(&self, x: &[Vector3<f64>]) -> Vec<f64> {
+        values(&self.hinges, |element| {
+            element.hinge.bend(&element.state(x))
+        })
     }
 
     /// Derivative by each angle of the energy of stars and sharp folds (J).
     fn moments(&self, bends: &[f64]) -> Vec<f64> {
         let mut moments = vec![0.0; bends.len()];
-        for star in &self.stars {
-            let moment = star.moment(bends);
+        let of_star = |_: usize, star: &StarElement| star.moment(bends);
+        in_order(&self.stars, of_star, |star, moment| {
             for (&hinge, row) in star.hinges.iter().zip(&star.rows) {
                 moments[hinge as usize] += row.dot(&moment);
             }
-        }
+        });
         for (i, fold) in self.sharp_folds(bends) {
             moments[i] += fold.slope;
         }

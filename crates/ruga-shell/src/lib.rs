@@ -74,6 +74,7 @@ mod layer_part;
 mod line_anchor;
 mod natural_curvature;
 mod parameters;
+mod shared_out;
 mod sharp_fold;
 mod sheet;
 mod sheet_slots;

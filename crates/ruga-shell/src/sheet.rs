@@ -9,6 +9,7 @@ use ruga_mesh::{BlockPattern, EdgeId, TriMesh};
 use crate::layer_bending::{LayerBending, inner_edges};
 use crate::layer_part::{PartNumbers, pick, rank};
 use crate::membrane::{Membrane, Stress};
+use crate::shared_out::in_order;
 use crate::sheet_slots::SheetSlots;
 use crate::stars::stars;
 use crate::stencil::{add_blocks, gather};
@@ -248,10 +249,10 @@ impl Sheet {
         pattern: &BlockPattern,
         gradient: &mut [f64],
     ) {
-        for (face, membrane) in self.faces.iter().zip(&self.membranes) {
-            let forces = membrane.gradient(&gather(x, face));
+        let forces = |i: usize, face: &[u32; 3]| self.membranes[i].gradient(&gather(x, face));
+        in_order(&self.faces, forces, |face, forces| {
             pattern.add_forces(gradient, face, &forces);
-        }
+        });
         self.bending.add_gradient(x, pattern, gradient);
     }
 

@@ -88,7 +88,7 @@ impl LayerBending {
             }
             return states;
         }
-        let bends = self.bends(&self.states(x));
+        let bends = self.bends(x);
         let mut stars = vec![0.0; states.len()];
         for (star, creased) in &self.creased_stars {
             let element = &self.stars[*star as usize];

@@ -4,8 +4,7 @@ use std::borrow::Cow;
 
 use nalgebra::Vector3;
 use ruga_mesh::{
-    FaceId, Id, LoopSurface, MaterialPoint, PerFace, PerVertex, SparseRows, TriMesh, VertexId,
-    limit_rows,
+    Id, LoopSurface, MaterialPoint, PerVertex, SparseRows, TriMesh, VertexId, limit_rows,
 };
 
 use crate::skin::fans::open_along;
@@ -13,7 +12,10 @@ use crate::skin::mirror::{Images, Mirrored};
 use crate::skin::skin_mesh::SkinMesh;
 
 mod line_shift;
+mod parts;
 mod places;
+
+use parts::{FACES_AT_A_TIME, for_each_part};
 
 pub(crate) use places::{places_of_limit, places_on};
 
@@ -24,9 +26,6 @@ const INTERPOLATION_STEPS: usize = 1;
 
 /// Places found, or interpolated at, between two questions whether to go on.
 const PLACES_AT_A_TIME: usize = 20_000;
-
-/// Faces whose limit surface is prepared at a time, 1 kB each.
-const FACES_AT_A_TIME: usize = 16_384;
 
 /// Smooth interpolation of what is known at a mesh's vertices.
 ///
@@ -183,52 +182,29 @@ impl Interpolation {
 }
 
 /// The limit surface of `mesh` at `places`, for several sets of control points, prepared for `most` faces at a time.
-///
-/// A face's surface depends on the faces around its vertices alone, so that a part with these is as good as the whole.
 fn limit_in_parts<const K: usize>(
     mesh: &TriMesh,
     places: &[MaterialPoint],
     controls: [&[Vector3<f64>]; K],
     most: usize,
 ) -> [Vec<Vector3<f64>>; K] {
-    if mesh.face_count() <= most {
-        return LoopSurface::new(mesh, &no_corners(mesh)).positions(places, controls);
-    }
-    // From neighbour to neighbour, so that few faces lie around each part.
-    let faces = mesh.connected_parts(|_| true).concat();
-    let mut ranks = PerFace::filled(faces.len(), 0);
-    for (rank, &face) in faces.iter().enumerate() {
-        ranks[face] = rank;
-    }
-    let rank = |i: u32| ranks[places[i as usize].face];
-    let mut by_part: Vec<u32> = (0..places.len() as u32).collect();
-    by_part.sort_unstable_by_key(|&i| (rank(i) / most, i));
     let mut limits = controls.map(|_| vec![Vector3::zeros(); places.len()]);
-    for own in by_part.chunk_by(|&i, &j| rank(i) / most == rank(j) / most) {
-        let part = rank(own[0]) / most;
-        let core = &faces[part * most..faces.len().min((part + 1) * most)];
-        let around = core.iter().flat_map(|&face| mesh.faces()[face]);
-        let around = around.flat_map(|v| mesh.vertex_faces(v));
-        let chosen: Vec<FaceId> = core.iter().chain(around).copied().collect();
-        // What is chosen again is taken once, so that its first faces are those of the core, in their order.
-        let part = mesh.submesh(&chosen);
-        let on_part = |&i: &u32| MaterialPoint {
-            face: FaceId::from_index(rank(i) % most),
-            ..places[i as usize]
+    for_each_part(mesh, places, (most, 0), |part, own| {
+        let on_part = |&i: &u32| {
+            part.place(&places[i as usize])
+                .expect("a place of the part")
         };
         let points: Vec<MaterialPoint> = own.iter().map(on_part).collect();
-        let of_part = controls.map(|control| {
-            let vertices = part.vertices.as_slice().iter();
-            vertices.map(|v| control[v.index()]).collect::<Vec<_>>()
-        });
-        let surface = LoopSurface::new(&part.mesh, &no_corners(&part.mesh));
-        let found = surface.positions(&points, of_part.each_ref().map(Vec::as_slice));
+        let of_part = controls.map(|control| part.control(control));
+        let of_part = of_part.each_ref().map(Vec::as_slice);
+        let found = part.surface.positions(&points, of_part);
         for (limits, found) in limits.iter_mut().zip(found) {
             for (&i, limit) in own.iter().zip(found) {
                 limits[i as usize] = limit;
             }
         }
-    }
+        true
+    });
     limits
 }
 
@@ -255,6 +231,8 @@ pub(crate) fn through_vertices(
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
+
+    use ruga_mesh::FaceId;
 
     use super::*;
     use crate::test_drivers::{skin, square};

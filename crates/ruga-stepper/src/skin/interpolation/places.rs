@@ -2,15 +2,23 @@
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use ruga_mesh::{FaceId, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh};
+use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh};
 
 use super::line_shift::LineShift;
-use super::{FACES_AT_A_TIME, PLACES_AT_A_TIME, limit_in_parts, through_vertices};
+use super::parts::{FACES_AT_A_TIME, for_each_part};
+use super::{PLACES_AT_A_TIME, through_vertices};
 use crate::skin::mirror::Mirrored;
 use crate::skin::skin_mesh::SkinMesh;
 
 /// Corrections of places towards those of the limit surface; the first takes most of the way.
 const PLACING_STEPS: usize = 2;
+
+/// Rings of faces around a part of the mesh up to which places may leave it.
+const RINGS: usize = 1;
+
+/// Distance of the limit surface from where it is wanted, in the shortest edge there, from which on a place is
+/// corrected.
+const NEAR: f64 = 1e-3;
 
 /// Parts of a region whose first place is looked for on all faces of the layer; for more a tree is built.
 const FEW_PARTS: usize = 8;
@@ -118,31 +126,64 @@ pub(crate) fn places_of_limit(
 ) -> Option<Vec<MaterialPoint>> {
     let control = through_vertices(at_vertices, rest);
     let lookup = SurfaceLookup::new(mesh, rest);
-    // The best places so far, and how far from the wanted ones the surface passes there.
-    let mut best: Vec<(MaterialPoint, f64)> = places.iter().map(|p| (*p, f64::INFINITY)).collect();
-    for step in 0..=PLACING_STEPS {
-        if !goes_on() {
-            return None;
-        }
-        let [reached] = limit_in_parts(mesh, &places, [&control], FACES_AT_A_TIME);
-        let found = places.par_iter_mut().zip(&mut best);
-        let found = found.zip(reached.par_iter().zip(wanted)).zip(held);
-        found.with_min_len(PLACES_AT_ONCE).for_each(
-            |(((place, best), (reached, wanted)), held)| {
-                let way = wanted - reached;
-                if way.norm() >= best.1 {
-                    // Around vertices with many edges a step may lead away.
-                    *place = best.0;
-                    return;
-                }
-                *best = (*place, way.norm());
-                if step < PLACING_STEPS && !held {
+    let mut goes_on_still = true;
+    let start = places.clone();
+    for_each_part(mesh, &start, (FACES_AT_A_TIME, RINGS), |part, own| {
+        let control = part.control(&control);
+        let free = own.iter().map(|&i| i as usize).filter(|&i| !held[i]);
+        let mut trials: Vec<Trial> = free
+            .map(|vertex| Trial {
+                vertex,
+                place: start[vertex],
+                before: f64::INFINITY,
+            })
+            .collect();
+        for step in 0..=PLACING_STEPS {
+            let on_part = |trial: &Trial| part.place(&trial.place).expect("a place of the part");
+            let tried: Vec<_> = trials.iter().map(on_part).collect();
+            let [reached] = part.surface.positions(&tried, [&control]);
+            let found = trials.par_iter_mut().zip(&reached);
+            let next = found.with_min_len(PLACES_AT_ONCE).map(|(trial, reached)| {
+                let (way, place) = (wanted[trial.vertex] - reached, trial.place);
+                let distance = way.norm();
+                // Around vertices with many edges a step may lead away.
+                let is_better = distance < std::mem::replace(&mut trial.before, distance);
+                let moves = is_better
+                    && step < PLACING_STEPS
+                    && distance > NEAR * shortest_edge(mesh, rest, place.face);
+                let near = moves.then(|| {
                     let target = place.interpolate(mesh, rest) + way;
-                    let near = lookup.closest_near(place.face, &target, 2.0 * way.norm());
-                    *place = near.map_or(*place, |near| near.point);
+                    lookup.closest_near(place.face, &target, 2.0 * distance)
+                });
+                let near = near.flatten().map(|near| near.point);
+                (is_better, near.filter(|near| part.place(near).is_some()))
+            });
+            let next: Vec<_> = next.collect();
+            let mut following = Vec::new();
+            for (trial, (is_better, near)) in trials.into_iter().zip(next) {
+                if is_better {
+                    places[trial.vertex] = trial.place;
+                    following.extend(near.map(|place| Trial { place, ..trial }));
                 }
-            },
-        );
-    }
-    Some(best.into_iter().map(|(place, _)| place).collect())
+            }
+            trials = following;
+        }
+        goes_on_still = goes_on();
+        goes_on_still
+    });
+    goes_on_still.then_some(places)
+}
+
+/// A place that is tried for a vertex.
+struct Trial {
+    vertex: usize,
+    place: MaterialPoint,
+    /// Distance of the limit surface from where it is wanted (m), at the place before.
+    before: f64,
+}
+
+fn shortest_edge(mesh: &TriMesh, rest: &[Vector3<f64>], face: FaceId) -> f64 {
+    let [a, b, c] = mesh.faces()[face].map(|v| rest[v.index()]);
+    let edges = [b - a, c - b, a - c].map(|edge| edge.norm());
+    edges.into_iter().fold(f64::INFINITY, f64::min)
 }
