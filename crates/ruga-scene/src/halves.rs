@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use ruga_stepper::{ComputedMesh, LayerSurface};
 
 use crate::Mirror;
+use crate::mirror::{flipped, reflected};
 
 /// Distance from the plane (m) up to which a vertex counts as on it; rounding leaves some 1e-17.
 const EXACT: f64 = 1e-9;
@@ -16,57 +17,51 @@ const EXACT: f64 = 1e-9;
 const REACH: f64 = 15.0;
 
 /// A layer and its mirror image in one, joined where the `half` ends at the plane `x = 0`.
-pub(crate) fn both_halves(mirror: &Mirror, half: &LayerSurface) -> LayerSurface {
-    let half = &in_plane(half);
-    let image = mirror.image(half);
-    let count = half.positions.len();
-    let is_on_plane = |v: usize| half.on_plane.get(v).copied().unwrap_or(false);
+pub(crate) fn both_halves(mirror: &Mirror, half: LayerSurface) -> LayerSurface {
+    let mut both = in_plane(half);
+    let count = both.positions.len();
+    let is_on_plane = |v: usize| both.on_plane.get(v).copied().unwrap_or(false);
+    let beside: Vec<usize> = (0..count).filter(|&v| !is_on_plane(v)).collect();
     // Images of the vertices on the plane are these themselves.
-    let mut next = count as u32;
-    let number = |v: usize| match is_on_plane(v) {
-        true => v as u32,
-        false => {
-            next += 1;
-            next - 1
-        }
-    };
-    let numbers: Vec<u32> = (0..count).map(number).collect();
-    let joined = |own: &[Vector3<f64>], other: &[Vector3<f64>]| -> Vec<Vector3<f64>> {
-        let other = other.iter().enumerate().filter(|(v, _)| !is_on_plane(*v));
-        own.iter().chain(other.map(|(_, x)| x)).copied().collect()
-    };
-    let faces = image
-        .faces
-        .iter()
-        .map(|face| face.map(|v| numbers[v as usize]));
-    let faces = half.faces.iter().copied().chain(faces);
-    let uvs = half.uvs.iter().chain(image.uvs.iter());
-    let artist = half.artist.iter().chain(image.artist.iter());
-    LayerSurface {
-        name: half.name.clone(),
-        positions: joined(&half.positions, &image.positions),
-        relief: joined(&half.relief, &image.relief),
-        driver_positions: joined(&half.driver_positions, &image.driver_positions),
-        driver_normals: joined(&half.driver_normals, &image.driver_normals),
-        offset: half.offset,
-        faces: faces.collect(),
-        uvs: uvs.copied().collect(),
-        artist: artist.copied().collect(),
-        on_plane: Arc::default(),
-        face_states: half.face_states.as_ref().map(|states| states.repeat(2)),
-        computed: ComputedMesh::default(),
-        burnt: None,
+    let mut numbers: Vec<u32> = (0..count as u32).collect();
+    for (number, &v) in (count as u32..).zip(&beside) {
+        numbers[v] = number;
     }
+    let faces = both.faces.iter().map(|&face| flipped(face));
+    let faces = faces.map(|face| face.map(|v| numbers[v as usize]));
+    both.faces = both.faces.iter().copied().chain(faces).collect();
+    let uvs = both.artist.iter().map(|face| mirror.opposite_uvs(face));
+    both.uvs = both.uvs.iter().copied().chain(uvs).collect();
+    let artist = both.artist.iter().map(|face| mirror.opposite_place(face));
+    both.artist = both.artist.iter().copied().chain(artist).collect();
+    both.on_plane = Arc::default();
+    let points = [
+        &mut both.positions,
+        &mut both.relief,
+        &mut both.driver_positions,
+        &mut both.driver_normals,
+    ];
+    for points in points {
+        points.reserve_exact(beside.len());
+        for &v in &beside {
+            points.push(reflected(&points[v]));
+        }
+    }
+    if let Some(states) = &mut both.face_states {
+        states.extend_from_within(..);
+    }
+    both.computed = ComputedMesh::default();
+    both
 }
 
 /// The half with the vertices on the plane put there exactly, and those around them moved as much less as they are
 /// farther away: where edges of the artist's mesh lean to one side, its smooth surface ends a little beside the plane.
-fn in_plane(half: &LayerSurface) -> LayerSurface {
-    let mut moved = half.clone();
-    let on_plane: Vec<usize> = (0..half.on_plane.len())
-        .filter(|&v| half.on_plane[v])
+fn in_plane(half: LayerSurface) -> LayerSurface {
+    let places = half.driver_positions.clone();
+    let mut moved = half;
+    let on_plane: Vec<usize> = (0..moved.on_plane.len())
+        .filter(|&v| moved.on_plane[v])
         .collect();
-    let places = &half.driver_positions;
     let farthest = on_plane
         .iter()
         .fold(0.0, |most: f64, &v| most.max(places[v].x.abs()));
@@ -88,7 +83,7 @@ fn in_plane(half: &LayerSurface) -> LayerSurface {
         };
         for (v, x) in places.iter().enumerate().filter(|(_, x)| x.x < reach) {
             let Some(on) = nearest(x) else { continue };
-            let left = match half.on_plane[v] {
+            let left = match moved.on_plane[v] {
                 true => 1.0,
                 false => (1.0 - (x - places[on]).norm() / reach).max(0.0),
             };
@@ -103,8 +98,8 @@ fn in_plane(half: &LayerSurface) -> LayerSurface {
             x.x = 0.0;
         }
         let normal = &mut moved.driver_normals[v];
-        normal.x = 0.0;
-        *normal = normal.try_normalize(0.0).unwrap_or(half.driver_normals[v]);
+        let flat = Vector3::new(0.0, normal.y, normal.z);
+        *normal = flat.try_normalize(0.0).unwrap_or(*normal);
     }
     moved
 }
@@ -139,7 +134,7 @@ mod tests {
             driver_positions: places.clone(),
             ..LayerSurface::default()
         };
-        let found = in_plane(&half);
+        let found = in_plane(half);
         for (i, (x, before)) in found.driver_positions.iter().zip(&places).enumerate() {
             if i % 21 == 0 {
                 assert_eq!((x.x, found.driver_normals[i].x), (0.0, 0.0));

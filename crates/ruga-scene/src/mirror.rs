@@ -173,8 +173,6 @@ impl Mirror {
     /// The mirror image of a layer, without the mesh that it was computed on.
     pub(crate) fn image(&self, layer: &LayerSurface) -> LayerSurface {
         let all = |points: &[Vector3<f64>]| points.iter().map(reflected).collect();
-        let places = layer.artist.iter().map(|face| self.place(face));
-        let (uvs, artist): (Vec<_>, Vec<_>) = places.unzip();
         LayerSurface {
             name: layer.name.clone(),
             positions: all(&layer.positions),
@@ -182,10 +180,17 @@ impl Mirror {
             driver_positions: all(&layer.driver_positions),
             driver_normals: all(&layer.driver_normals),
             offset: layer.offset,
-            // A reflection turns faces inside out.
-            faces: layer.faces.iter().map(|&[a, b, c]| [a, c, b]).collect(),
-            uvs: uvs.into(),
-            artist: artist.into(),
+            faces: layer.faces.iter().map(|&face| flipped(face)).collect(),
+            uvs: layer
+                .artist
+                .iter()
+                .map(|face| self.opposite_uvs(face))
+                .collect(),
+            artist: layer
+                .artist
+                .iter()
+                .map(|face| self.opposite_place(face))
+                .collect(),
             on_plane: layer.on_plane.clone(),
             face_states: layer.face_states.clone(),
             computed: ComputedMesh::default(),
@@ -194,14 +199,18 @@ impl Mirror {
         }
     }
 
-    /// Texture coordinates opposite of a face's corners, the last two exchanged, and where that is on the mesh.
-    fn place(&self, (triangle, corners): &ArtistPlace) -> ([Vector2<f64>; 3], ArtistPlace) {
+    /// Texture coordinates opposite of a face's corners, the last two exchanged.
+    pub(crate) fn opposite_uvs(&self, (triangle, corners): &ArtistPlace) -> [Vector2<f64>; 3] {
         let opposite = &self.triangles[*triangle as usize];
-        let [a, b, c] = corners.map(|parts| {
+        flipped(corners.map(|parts| {
             let pairs = opposite.uvs.iter().zip(parts);
             pairs.map(|(uv, part)| uv * part).sum::<Vector2<f64>>()
-        });
-        let uvs = [a, c, b];
+        }))
+    }
+
+    /// Where those are on the mesh.
+    pub(crate) fn opposite_place(&self, face: &ArtistPlace) -> ArtistPlace {
+        let (opposite, uvs) = (&self.triangles[face.0 as usize], self.opposite_uvs(face));
         let places = opposite.triangles.iter().map(|&triangle| {
             let own = self.uvs[triangle as usize];
             // In a triangle without area no place is better than its middle.
@@ -214,11 +223,13 @@ impl Mirror {
             middle.into_iter().fold(f64::INFINITY, f64::min)
         };
         let best = places.max_by(|a, b| inside(a).total_cmp(&inside(b)));
-        (
-            uvs,
-            best.expect("something lies opposite of every triangle"),
-        )
+        best.expect("something lies opposite of every triangle")
     }
+}
+
+/// The corners of a face that a reflection has turned inside out.
+pub(crate) fn flipped<T>([a, b, c]: [T; 3]) -> [T; 3] {
+    [a, c, b]
 }
 
 /// Weights in an order of their own, zeros left out.
@@ -230,7 +241,7 @@ pub(crate) fn sorted(weights: impl Iterator<Item = (usize, f64)>) -> Vec<(usize,
     weights
 }
 
-fn reflected(point: &Vector3<f64>) -> Vector3<f64> {
+pub(crate) fn reflected(point: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(-point.x, point.y, point.z)
 }
 

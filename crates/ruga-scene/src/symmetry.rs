@@ -210,7 +210,7 @@ fn doubled(mirror: &Mirror, mut half: PoseResult) -> PoseResult {
         let layers = key
             .layers
             .into_iter()
-            .map(|layer| both_halves(mirror, &layer));
+            .map(|layer| both_halves(mirror, layer));
         let layers = sharing(keys.last(), layers);
         keys.push(KeyResult { layers, ..key });
     }
