@@ -1,5 +1,7 @@
 //! Many places on a Loop limit surface.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 
 use crate::{Id, LimitPointRows, LoopSurface, MaterialPoint, TangentPlane};
@@ -78,9 +80,17 @@ impl LimitPoints {
     /// # Panics
     /// When there are fewer control points than the surface has vertices.
     pub fn planes(&self, control: &[Vector3<f64>]) -> Vec<TangentPlane> {
+        self.some_planes(0..self.points.len(), control)
+    }
+
+    /// The surface at some of the points, by their numbers.
+    ///
+    /// # Panics
+    /// As [`planes`](Self::planes), and when there are no such points.
+    pub fn some_planes(&self, points: Range<usize>, control: &[Vector3<f64>]) -> Vec<TangentPlane> {
         match &self.kept {
-            Kept::Rows(rows) => rows.apply(control),
-            Kept::Surface(surface) => surface.planes(&self.points, control),
+            Kept::Rows(rows) => rows.apply_some(points, control),
+            Kept::Surface(surface) => surface.planes(&self.points[points], control),
         }
     }
 
@@ -127,6 +137,9 @@ mod tests {
         let [rows, none] = [70, 69].map(of);
         assert!(matches!(none.kept, Kept::Surface(_)));
         assert!(rows.planes(&control) == none.planes(&control));
+        for points in [&rows, &none] {
+            assert!(points.some_planes(20..50, &control) == rows.planes(&control)[20..50]);
+        }
         let first = rows
             .planes(&control)
             .iter()

@@ -1,5 +1,6 @@
 //! The Loop limit surface at arbitrary material points of its control mesh.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use nalgebra::{Dim, Matrix, RawStorage, U6, Vector3};
@@ -84,8 +85,18 @@ impl LimitPointRows {
     /// # Panics
     /// When there are fewer control points than the surface has vertices.
     pub fn apply(&self, control: &[Vector3<f64>]) -> Vec<TangentPlane> {
-        let position = self.position.apply(control);
-        let [u, v] = self.first.each_ref().map(|rows| rows.apply(control));
+        self.apply_some(0..self.position.row_count(), control)
+    }
+
+    /// The surface at some of the `points`.
+    pub(crate) fn apply_some(
+        &self,
+        points: Range<usize>,
+        control: &[Vector3<f64>],
+    ) -> Vec<TangentPlane> {
+        let position = self.position.apply_some(points.clone(), control);
+        let first = self.first.each_ref();
+        let [u, v] = first.map(|rows| rows.apply_some(points.clone(), control));
         let planes = position.into_iter().zip(u).zip(v);
         planes
             .map(|((position, u), v)| TangentPlane {

@@ -149,8 +149,19 @@ impl SparseRows {
     /// # Panics
     /// When a row has a column beyond the end of `values`.
     pub fn apply<T: Copy + Mul<f64, Output = T> + Sum>(&self, values: &[T]) -> Vec<T> {
+        self.apply_some(0..self.row_count(), values)
+    }
+
+    /// Those of some `rows` alone.
+    ///
+    /// # Panics
+    /// As [`apply`](Self::apply), and when there is no such row.
+    pub(crate) fn apply_some<T: Copy + Mul<f64, Output = T> + Sum>(
+        &self,
+        rows: Range<usize>,
+        values: &[T],
+    ) -> Vec<T> {
         let term = |(column, weight): (u32, f64)| values[column as usize] * weight;
-        let rows = 0..self.row_count();
         rows.map(|i| self.row(i).map(term).sum()).collect()
     }
 

@@ -19,6 +19,8 @@ const REACH: f64 = 15.0;
 /// A layer and its mirror image in one, joined where the `half` ends at the plane `x = 0`.
 pub(crate) fn both_halves(mirror: &Mirror, half: LayerSurface) -> LayerSurface {
     let mut both = in_plane(half);
+    // It shows one side alone, and sheets that burn are simulated whole.
+    (both.computed, both.burnt) = (ComputedMesh::default(), None);
     let count = both.positions.len();
     let is_on_plane = |v: usize| both.on_plane.get(v).copied().unwrap_or(false);
     let beside: Vec<usize> = (0..count).filter(|&v| !is_on_plane(v)).collect();
@@ -50,22 +52,21 @@ pub(crate) fn both_halves(mirror: &Mirror, half: LayerSurface) -> LayerSurface {
     if let Some(states) = &mut both.face_states {
         states.extend_from_within(..);
     }
-    both.computed = ComputedMesh::default();
     both
 }
 
 /// The half with the vertices on the plane put there exactly, and those around them moved as much less as they are
 /// farther away: where edges of the artist's mesh lean to one side, its smooth surface ends a little beside the plane.
 fn in_plane(half: LayerSurface) -> LayerSurface {
-    let places = half.driver_positions.clone();
     let mut moved = half;
     let on_plane: Vec<usize> = (0..moved.on_plane.len())
         .filter(|&v| moved.on_plane[v])
         .collect();
-    let farthest = on_plane
-        .iter()
-        .fold(0.0, |most: f64, &v| most.max(places[v].x.abs()));
+    let farthest = on_plane.iter().fold(0.0, |most: f64, &v| {
+        most.max(moved.driver_positions[v].x.abs())
+    });
     if farthest > EXACT {
+        let places = moved.driver_positions.clone();
         let reach = REACH * farthest;
         let cell = |x: &Vector3<f64>| [x.y, x.z].map(|c| (c / reach).floor() as i64);
         let mut cells: HashMap<[i64; 2], Vec<usize>> = HashMap::new();

@@ -208,7 +208,7 @@ impl Mirror {
         }))
     }
 
-    /// Where those are on the mesh.
+    /// The file's triangle opposite of a face, and where [`Self::opposite_uvs`] lie in it.
     pub(crate) fn opposite_place(&self, face: &ArtistPlace) -> ArtistPlace {
         let (opposite, uvs) = (&self.triangles[face.0 as usize], self.opposite_uvs(face));
         let places = opposite.triangles.iter().map(|&triangle| {

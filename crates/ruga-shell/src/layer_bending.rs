@@ -308,7 +308,8 @@ impl LayerBending {
             return;
         }
         // An edge belongs to the stars of both its ends. Summed into one moment, they need its
-        // derivatives only once. States of all hinges at once would take half as much memory as the layer.
+        // derivatives only once. States are found twice: those of all hinges at once would take half as much memory as
+        // the layer.
         let moments = self.moments(&self.bends(x));
         let forces = |i: usize, element: &HingeElement| {
             let gradient = element.angle_gradient(&element.state(x));

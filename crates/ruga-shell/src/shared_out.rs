@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-/// Elements from which on a loop is shared out: the whole of a large layer. Its patches have fewer, and are solved by
-/// one thread each.
-const MANY: usize = 1 << 17;
+/// Elements from which on a loop is shared out: those of the whole of a large layer. Its patches have fewer, and are
+/// solved by one thread each.
+const MANY: usize = 1 << 18;
 
 /// Elements whose values are found before what is made of them, one after the other.
 const AT_A_TIME: usize = 1 << 15;
@@ -34,7 +34,7 @@ pub(crate) fn values<T: Sync, R: Send>(
     }
 }
 
-/// Finds the value of every element, on all threads, and hands the elements with it to `take` in their order.
+/// Finds the value of every element, and hands the elements with it to `take` in their order.
 pub(crate) fn in_order<T: Sync, R: Send>(
     elements: &[T],
     value: impl Fn(usize, &T) -> R + Send + Sync,

@@ -38,14 +38,13 @@ use crate::support::support_surface::{SupportSurface, TangentialSprings};
 use crate::support::{Interior, Solid};
 use crate::{LayerSpec, StepperError};
 
+pub(crate) use absorption::Absorption;
 use absorption::Bands;
 use creases::CreaseStrengths;
-use output::{Shown, interpolation_to};
-use pulls::ToldPulls;
-
-pub(crate) use absorption::Absorption;
 pub(crate) use load::LayerState;
 pub(crate) use output::{OnOutput, Output, OutputMesh, Unmade};
+use output::{Shown, interpolation_to};
+use pulls::ToldPulls;
 pub(crate) use snapshot::Seen;
 
 /// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a

@@ -9,7 +9,6 @@ use crate::growth::PoseGrowth;
 use crate::run::layer::Layer;
 use crate::run::layer_run::{Ending, LayerRun, Loading, loads_up_to};
 use crate::run::layer_setup::OutputEdges;
-use crate::run::upper_layers::add_face_states;
 use crate::skin::cover::Covers;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::{SupportOf, support_surface};
@@ -86,7 +85,8 @@ pub(crate) struct StackRun<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) pose: usize,
     pub(crate) result: PoseResult,
-    /// The layers above the lowest one, as they were left by the last frame that had them.
+    /// The layers above the lowest one, as they were left by the last frame that had them; none after the last key
+    /// where no frames are wanted.
     pub(crate) upper: Vec<Option<LayerRun<'a>>>,
     /// Projections of their meshes onto those below.
     pub(crate) covers: Rc<Covers>,
@@ -386,10 +386,7 @@ impl<'a> StackRun<'a> {
         }
         observer.phase(lowest, Phase::Sampling);
         let support = self.support(&run.layer, point.weight_fraction);
-        let seen = run.layer.seen();
-        let seen = (&seen, &run.layer.on_output(&seen));
-        let mut layers = self.snapshot(lowest, seen, support.as_ref(), &[]);
-        add_face_states(&mut layers, &run.layer, observer);
+        let mut layers = self.snapshots_of(run, support.as_ref(), &[], observer);
         if !observer.wants_frames() {
             run.layer.forget_output();
         }

@@ -32,9 +32,7 @@ impl<'a> StackRun<'a> {
         let mut surfaces = Vec::new();
         let mut solved: Vec<SolvedLayer<'a>> = Vec::new();
         // Where every layer's vertices are as maps show them, the lowest layer's first.
-        let seen = run.layer.seen();
-        let mut shown = vec![seen.shown_positions(seen.support())];
-        drop(seen);
+        let mut shown = vec![self.shown_positions(run.index, &run.layer.seen(), support, &[])];
         let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
         let is_last = point.weight_fraction >= last;
         for index in lowest + 1..self.plan.stacking.specs.len() {
@@ -60,37 +58,18 @@ impl<'a> StackRun<'a> {
             if ending == Ending::Interrupted {
                 return Ok(None);
             }
-            self.result.layers[index] = upper.report.clone();
             // From a state that is none, nothing goes on. An output mesh takes as much memory as what solves a layer.
             let is_over = ending != Ending::Reached || (is_last && !observer.wants_frames());
-            let (upper, own) = match is_over && !observer.wants_face_states() {
-                true => {
-                    let (seen, output) = upper.into_seen();
-                    let output = self.last_output((index, output), &seen, observer)?;
-                    let Some(output) = output else {
-                        return Ok(None);
-                    };
-                    observer.phase(index, Phase::Sampling);
-                    surfaces.extend(self.snapshot(index, (&seen, &output), support, &lower));
-                    let own = self.shown_positions(index, &seen, support, &lower);
-                    (SolvedLayer::Over(index, Box::new(seen)), own)
-                }
-                false => {
-                    if !self.make_output(&mut upper, observer)? {
-                        return Ok(None);
-                    }
-                    observer.phase(index, Phase::Sampling);
-                    let seen = upper.layer.seen();
-                    let output = upper.layer.on_output(&seen);
-                    let mut of_upper = self.snapshot(index, (&seen, &output), support, &lower);
-                    add_face_states(&mut of_upper, &upper.layer, observer);
-                    surfaces.extend(of_upper);
-                    let own = self.shown_positions(index, &seen, support, &lower);
-                    drop(output);
-                    drop(seen);
-                    (SolvedLayer::Kept(Box::new(upper), ending), own)
-                }
+            let report = upper.report.clone();
+            let shown_layer = match is_over && !observer.wants_face_states() {
+                true => self.show_last(upper, support, &lower, observer)?,
+                false => self.show_kept((upper, ending), support, &lower, observer)?,
             };
+            let Some((upper, of_upper, own)) = shown_layer else {
+                return Ok(None);
+            };
+            self.result.layers[index] = report;
+            surfaces.extend(of_upper);
             shown.push(own);
             solved.push(upper);
         }
@@ -174,6 +153,51 @@ impl<'a> StackRun<'a> {
         }
     }
 
+    /// Shows an upper layer that is solved no further, and gives up what solved it before its output mesh is made; `None`
+    /// when the observer ends the work.
+    fn show_last(
+        &self,
+        upper: LayerRun<'a>,
+        support: &dyn Support,
+        lower: &[LowerLayer<'_>],
+        observer: &mut dyn Observer,
+    ) -> Result<Option<ShownLayer<'a>>, StepperError> {
+        let index = upper.index;
+        let (seen, output) = upper.into_seen();
+        let Some(output) = self.last_output((index, output), &seen, observer)? else {
+            return Ok(None);
+        };
+        observer.phase(index, Phase::Sampling);
+        let surfaces = self.snapshots(index, (&seen, &output), support, lower);
+        drop(output);
+        let shown = self.shown_positions(index, &seen, support, lower);
+        let (skin, positions) = seen.into_shape();
+        let left = SolvedLayer::Over {
+            index,
+            skin: Box::new(skin),
+            positions,
+        };
+        Ok(Some((left, surfaces, shown)))
+    }
+
+    /// Shows an upper layer; `None` when the observer ends the work.
+    fn show_kept(
+        &self,
+        (mut upper, ending): (LayerRun<'a>, Ending),
+        support: &dyn Support,
+        lower: &[LowerLayer<'_>],
+        observer: &mut dyn Observer,
+    ) -> Result<Option<ShownLayer<'a>>, StepperError> {
+        if !self.make_output(&mut upper, observer)? {
+            return Ok(None);
+        }
+        observer.phase(upper.index, Phase::Sampling);
+        let surfaces = self.snapshots_of(&upper, support, lower, observer);
+        let shown = self.shown_positions(upper.index, &upper.layer.seen(), support, lower);
+        let kept = SolvedLayer::Kept(Box::new(upper), ending);
+        Ok(Some((kept, surfaces, shown)))
+    }
+
     /// Where maps show the vertices of the mesh that layer number `index` was computed on: on the layers below as maps
     /// show these, which may be flatter than they are. Nothing where no layer lies on it.
     fn shown_positions(
@@ -187,13 +211,37 @@ impl<'a> StackRun<'a> {
         if above.all(|layer| layer.region.is_empty()) {
             return Vec::new();
         }
+        // Driver and body are shown as they are.
+        if lower.is_empty() {
+            return seen.shown_positions(seen.support());
+        }
         let on = OnSupport::new((&self.plan.driver, support), seen.skin());
         let surface = on.below(self.plan.stacking.attachments[index], &as_shown(lower));
         seen.shown_positions(&surface)
     }
 
+    /// A layer as results have it, and one that moves together with it, with the states of their faces for an observer
+    /// who wants them. Its output mesh has been made.
+    pub(crate) fn snapshots_of(
+        &self,
+        run: &LayerRun<'_>,
+        support: &dyn Support,
+        lower: &[LowerLayer<'_>],
+        observer: &dyn Observer,
+    ) -> Vec<LayerSurface> {
+        let seen = run.layer.seen();
+        let on_output = run.layer.on_output(&seen);
+        let mut surfaces = self.snapshots(run.index, (&seen, &on_output), support, lower);
+        if observer.wants_face_states() {
+            for (surface, states) in surfaces.iter_mut().zip(run.layer.face_states()) {
+                surface.face_states = Some(states);
+            }
+        }
+        surfaces
+    }
+
     /// The layer number `index` as results have it, and one that moves together with it.
-    pub(crate) fn snapshot(
+    fn snapshots(
         &self,
         index: usize,
         (layer, on_output): (&Seen<'_>, &OnOutput<'_>),
@@ -207,29 +255,28 @@ impl<'a> StackRun<'a> {
         // Maps show driver or body as they are.
         let shown = (!lower.is_empty()).then(|| on.below(attachment, &as_shown(lower)));
         let below = (&surface, shown.as_ref().unwrap_or(&surface));
-        layer.snapshots(on_output, (driver, on.posed), below, attachment.offset)
+        layer.snapshots(
+            on_output,
+            (driver, on.into_posed()),
+            below,
+            attachment.offset,
+        )
     }
 }
 
-/// Adds the states of their faces to the `surfaces` of a layer, for an observer who wants them.
-pub(crate) fn add_face_states(
-    surfaces: &mut [LayerSurface],
-    layer: &Layer,
-    observer: &dyn Observer,
-) {
-    if observer.wants_face_states() {
-        for (surface, states) in surfaces.iter_mut().zip(layer.face_states()) {
-            surface.face_states = Some(states);
-        }
-    }
-}
+/// An upper layer, its results, and where maps show the vertices of the mesh that it was computed on.
+type ShownLayer<'a> = (SolvedLayer<'a>, Vec<LayerSurface>, Vec<Vector3<f64>>);
 
-/// An upper layer that was solved.
+/// An upper layer that was solved, for those above to lie on.
 enum SolvedLayer<'a> {
-    /// From which a later frame may go on.
+    /// All of it: the next frame goes on from it where this one was reached.
     Kept(Box<LayerRun<'a>>, Ending),
-    /// What is left of the layer with this number, from which none does.
-    Over(usize, Box<Seen<'static>>),
+    /// The mesh and the positions (m) of layer number `index`, which is solved no further.
+    Over {
+        index: usize,
+        skin: Box<SkinMesh>,
+        positions: Vec<Vector3<f64>>,
+    },
 }
 
 impl SolvedLayer<'_> {
@@ -237,7 +284,11 @@ impl SolvedLayer<'_> {
     fn shape(&self) -> (usize, &SkinMesh, &[Vector3<f64>]) {
         match self {
             Self::Kept(run, _) => (run.index, run.layer.skin(), run.layer.positions()),
-            Self::Over(index, seen) => (*index, seen.skin(), seen.positions()),
+            Self::Over {
+                index,
+                skin,
+                positions,
+            } => (*index, skin, positions),
         }
     }
 }

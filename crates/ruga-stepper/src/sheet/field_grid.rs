@@ -71,12 +71,13 @@ impl FieldGrid {
                 };
             }
         }
-        let shown = region.shown().uvs;
+        let results = region.shown();
+        let shown = &results.uvs;
         let uvs = origins.as_slice().iter().map(|origin| {
             let [a, b, c] = shown[origin.face.index()];
             origin.corners.map(|[u, v, w]| a * u + b * v + c * w)
         });
-        let under = region.shown().artist;
+        let under = &results.artist;
         let artist = origins.as_slice().iter().map(|origin| {
             let (triangle, corners) = &under[origin.face.index()];
             (

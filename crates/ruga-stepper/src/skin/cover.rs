@@ -22,6 +22,10 @@ use crate::skin::skin_mesh::SkinMesh;
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
 const BESIDE: f64 = 1e-3;
 
+/// Covered vertices at which something is interpolated at a time: at all of them it would take more memory than what
+/// is made of it.
+const VERTICES_AT_A_TIME: usize = 1 << 16;
+
 /// Places that a thread looks for at least.
 const PLACES_AT_ONCE: usize = 256;
 
@@ -103,7 +107,7 @@ impl Cover {
         &self.weights
     }
 
-    /// Whether the layer below has creases.
+    /// Whether there may be a fold close to a covered vertex: only where the layer below has creases.
     pub(crate) fn has_folds(&self) -> bool {
         !self.folds.is_empty()
     }
@@ -113,15 +117,32 @@ impl Cover {
         self.folds.get(i)?.as_ref()
     }
 
-    /// Interpolates vectors at the lower layer's vertices to every covered vertex; [`Self::along`] turns the
-    /// derivatives.
-    pub(crate) fn interpolate(&self, values: &[Vector3<f64>]) -> Vec<TangentPlane> {
+    /// Interpolates vectors at the lower layer's vertices to every covered vertex. `take` is given its rank among these
+    /// and what was found there; [`Self::along`] turns the derivatives.
+    pub(crate) fn interpolate(
+        &self,
+        values: &[Vector3<f64>],
+        take: impl FnMut(usize, &TangentPlane),
+    ) {
+        self.interpolate_some(VERTICES_AT_A_TIME, values, take);
+    }
+
+    fn interpolate_some(
+        &self,
+        at_a_time: usize,
+        values: &[Vector3<f64>],
+        mut take: impl FnMut(usize, &TangentPlane),
+    ) {
         // The limit surface alone loses some per cent of a wave, which would be missing in the map.
         let control = match &self.images {
             None => through_vertices(&self.at_vertices, values),
             Some(images) => through_vertices(&self.at_vertices, &images.vectors(values)),
         };
-        self.limit.planes(&control)
+        for start in (0..self.vertices.len()).step_by(at_a_time) {
+            let end = self.vertices.len().min(start + at_a_time);
+            let planes = self.limit.some_planes(start..end, &control);
+            (start..).zip(&planes).for_each(|(i, plane)| take(i, plane));
+        }
     }
 
     /// Derivatives along the upper mesh's own tangents of what is interpolated at the `i`-th covered vertex.
@@ -223,6 +244,26 @@ mod tests {
                 .filter(|(vertex, _)| cover.vertices().binary_search(vertex).is_err());
             assert_eq!(uncovered.count(), 0, "at level {levels}");
         }
+    }
+
+    #[test]
+    fn a_few_vertices_at_a_time_give_the_same_as_all() {
+        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
+        let driver = square(&flat, &flat);
+        let lower = skin(&driver, 0, 0.0);
+        let upper = skin(&driver, 1, OFFSET);
+        let cover = Cover::new(&driver, &upper, &lower, OFFSET);
+        let wave = |p: &Vector3<f64>| Vector3::z() * (900.0 * p.x).sin();
+        let values: Vec<_> = lower.rest.positions.iter().map(wave).collect();
+        let found = |at_a_time: usize| {
+            let mut found = Vec::new();
+            cover.interpolate_some(at_a_time, &values, |i, plane| found.push((i, *plane)));
+            found
+        };
+        let all = found(usize::MAX >> 1);
+        assert_eq!(all.len(), cover.vertices().len());
+        assert!(all.iter().enumerate().all(|(rank, (i, _))| rank == *i));
+        assert!(found(7) == all);
     }
 
     /// The same meshes have one cover, which goes with either of them.

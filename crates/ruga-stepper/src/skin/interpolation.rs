@@ -15,7 +15,7 @@ mod line_shift;
 mod parts;
 mod places;
 
-use parts::{FACES_AT_A_TIME, for_each_part};
+use parts::{FACES_AT_A_TIME, LimitPart, for_each_part};
 
 pub(crate) use places::{places_of_limit, places_on};
 
@@ -189,15 +189,17 @@ fn limit_in_parts<const K: usize>(
     most: usize,
 ) -> [Vec<Vector3<f64>>; K] {
     let mut limits = controls.map(|_| vec![Vector3::zeros(); places.len()]);
-    for_each_part(mesh, places, (most, 0), |part, own| {
+    let of_part = |part: &LimitPart, own: &[u32]| {
         let on_part = |&i: &u32| {
             part.place(&places[i as usize])
                 .expect("a place of the part")
         };
         let points: Vec<MaterialPoint> = own.iter().map(on_part).collect();
-        let of_part = controls.map(|control| part.control(control));
-        let of_part = of_part.each_ref().map(Vec::as_slice);
-        let found = part.surface.positions(&points, of_part);
+        let own = controls.map(|control| part.control(control));
+        let own = own.each_ref().map(Vec::as_slice);
+        part.surface.positions(&points, own)
+    };
+    for_each_part(mesh, places, (most, 0), of_part, |own, found| {
         for (limits, found) in limits.iter_mut().zip(found) {
             for (&i, limit) in own.iter().zip(found) {
                 limits[i as usize] = limit;

@@ -94,7 +94,7 @@ pub(crate) struct OnSupport<'a> {
     support: &'a dyn Support,
     skin: &'a SkinMesh,
     /// What carries all layers, at the vertices.
-    pub(crate) posed: PosedSurface,
+    posed: PosedSurface,
     /// How that changes with the barycentric coordinates, once it was asked for.
     derivatives: OnceCell<Vec<[Vector3<f64>; 2]>>,
 }
@@ -111,6 +111,11 @@ impl<'a> OnSupport<'a> {
             posed: support.pose(skin),
             derivatives: OnceCell::new(),
         }
+    }
+
+    /// What carries all layers, at the vertices.
+    pub(crate) fn into_posed(self) -> PosedSurface {
+        self.posed
     }
 
     /// The surface of [`support_surface`] alone, where it is shown and no rest metric is asked for.
@@ -156,25 +161,21 @@ impl<'a> OnSupport<'a> {
         let base = self.support.pose(lower.skin).positions;
         let deviations = lower.positions.iter().zip(&base);
         let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
-        let changes = cover.interpolate(&deviations);
-        let posed = self
-            .derivatives
-            .get_or_init(|| self.support.derivatives(self.skin));
+        let derivatives = || self.support.derivatives(self.skin);
+        let derivatives = self.derivatives.get_or_init(derivatives);
         let between = match cover.has_folds() {
             true => vertex_normals(&lower.skin.mesh, lower.positions),
             false => Vec::new(),
         };
-        let mut rises = vec![1.0; changes.len()];
-        let vertices = cover.vertices().iter().zip(cover.weights());
-        let covered = vertices.zip(&changes).zip(&mut rises).enumerate();
-        for (k, (((&vertex, fraction), change), rise)) in covered {
-            let i = vertex as usize;
+        let mut rises = vec![1.0; cover.vertices().len()];
+        cover.interpolate(&deviations, |k, change| {
+            let (i, fraction) = (cover.vertices()[k] as usize, cover.weights()[k]);
             let [along_u, along_v] = cover.along(k, change);
             // It is added to the driver's or body's own place, because the deviation of a layer counts
             // from there and not from another layer that is covered too.
             middle.positions[i] = self.posed.positions[i] + change.position;
-            let first = posed[i][0] + along_u;
-            let second = posed[i][1] + along_v;
+            let first = derivatives[i][0] + along_u;
+            let second = derivatives[i][1] + along_v;
             let normal = first.cross(&second).try_normalize(0.0);
             let normal = normal.map(|normal| match cover.fold(k) {
                 None => normal,
@@ -182,11 +183,11 @@ impl<'a> OnSupport<'a> {
                     let [a, b] = fold.ends.map(|v| between[v]);
                     let turned = a.lerp(&b, fold.fraction).lerp(&normal, fold.beside);
                     let turned = turned.try_normalize(0.0).unwrap_or(normal);
-                    *rise = 1.0 + fraction * (1.0 / turned.dot(&normal).max(LEAST_COSINE) - 1.0);
+                    rises[k] = 1.0 + fraction * (1.0 / turned.dot(&normal).max(LEAST_COSINE) - 1.0);
                     turned
                 }
             });
-            let normal = normal.map(|normal| middle.normals[i].lerp(&normal, *fraction));
+            let normal = normal.map(|normal| middle.normals[i].lerp(&normal, fraction));
             if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
                 // The normal has been turned in the rim, so that the first tangent is no longer at
                 // right angles to it.
@@ -194,7 +195,7 @@ impl<'a> OnSupport<'a> {
                 middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
                 middle.normals[i] = normal;
             }
-        }
+        });
         rises
     }
 }

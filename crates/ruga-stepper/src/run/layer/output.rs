@@ -60,8 +60,8 @@ pub(crate) struct OnOutput<'o> {
 }
 
 impl Shown {
-    /// What shows a layer by this specification, whose mesh `skin` is a fitted one, on `region`, which was made of
-    /// `unmade`: `often`, or only in its present shape.
+    /// Shows a layer, whose mesh `skin` is a fitted one, on `region`, which was made of `unmade`. `often` prepares it for
+    /// more shapes than the present one.
     pub(super) fn new(
         driver: &Driver,
         (spec, wrinkling, skin): (&LayerSpec, &Wrinkling, &SkinMesh),
@@ -83,7 +83,7 @@ impl Shown {
         })
     }
 
-    /// Its mesh, and at its vertices what is `seen` of the layer.
+    /// The output mesh with what is `seen` of the layer at its vertices.
     fn of(&self, seen: &Seen<'_>) -> OnOutput<'_> {
         OnOutput {
             shape: seen.shape.on_output(self.interpolation.as_ref()),
@@ -92,7 +92,8 @@ impl Shown {
         }
     }
 
-    /// The same, where nothing else will be shown.
+    /// The output mesh with what is `seen` of the layer at its vertices, without what only further results and meshes
+    /// would need.
     pub(crate) fn last_of(self, seen: &Seen<'_>) -> OnOutput<'static> {
         OnOutput {
             shape: seen.shape.on_output(self.interpolation.as_ref()),

@@ -150,9 +150,10 @@ impl Seen<'_> {
         &self.skin
     }
 
-    /// Positions of its vertices, then of those of a layer that moves together with it, m.
-    pub(crate) fn positions(&self) -> &[Vector3<f64>] {
-        &self.positions
+    /// The mesh that it was computed on, and positions of its vertices, then of those of a layer that moves together with
+    /// it, m.
+    pub(crate) fn into_shape(self) -> (SkinMesh, Vec<Vector3<f64>>) {
+        (self.skin.into_owned(), self.positions.into_owned())
     }
 
     /// Support surface of its own mesh.

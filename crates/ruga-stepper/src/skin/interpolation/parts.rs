@@ -1,31 +1,69 @@
 //! The limit surface of a large mesh, part by part.
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 use ruga_mesh::{FaceId, Id, LoopSurface, MaterialPoint, PerFace, TriMesh, VertexId};
 
 use super::no_corners;
 
-/// Faces whose limit surface is prepared at a time, 1 kB each, and 2 kB more where places lie on them.
-pub(super) const FACES_AT_A_TIME: usize = 16_384;
+/// Faces of a part, whose limit surface is prepared at a time: 1 kB each, and 2 kB more where places lie on them.
+pub(super) const FACES_AT_A_TIME: usize = 8192;
+
+/// Parts evaluated before what was found is put in its place: no more threads than these are used, and no more memory.
+const PARTS_AT_A_TIME: usize = 4;
 
 /// The limit surface of a mesh on some of its faces.
 ///
 /// A face's surface depends on the faces around its vertices alone, so that a part with these is as good as the whole.
-pub(super) struct LimitPart<'n> {
+pub(super) struct LimitPart {
     pub(super) surface: LoopSurface,
+    /// The vertices of the mesh that it has, ascending.
     vertices: Vec<VertexId>,
-    /// The number of every face of the mesh in the part; [`OUTSIDE`] where its surface is not that of the mesh.
-    numbers: &'n PerFace<u32>,
+    /// The faces on which its surface is that of the mesh, ascending, and their numbers in the part.
+    known: Vec<(FaceId, u32)>,
 }
 
-const OUTSIDE: u32 = u32::MAX;
+impl LimitPart {
+    /// The part with these faces of `mesh` and so many rings of faces around them. Unlike with
+    /// [`TriMesh::submesh`] no list is as long as the whole mesh, of which there are many parts.
+    fn new(mesh: &TriMesh, core: &[FaceId], rings: usize) -> Self {
+        let mut chosen = core.to_vec();
+        chosen.sort_unstable();
+        for _ in 0..rings {
+            add_neighbours(mesh, &mut chosen);
+        }
+        let known = chosen.clone();
+        add_neighbours(mesh, &mut chosen);
+        let mut vertices: Vec<VertexId> = chosen.iter().flat_map(|&f| mesh.faces()[f]).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let number = |v: VertexId| vertices.partition_point(|&other| other < v) as u32;
+        let faces = chosen.iter().map(|&face| mesh.faces()[face].map(number));
+        let part = TriMesh::new(vertices.len(), faces.collect());
+        let part = part.expect("faces of a valid mesh are a valid mesh");
+        let mut surface = LoopSurface::new(&part, &no_corners(&part));
+        if rings > 0 {
+            // Places that may move are asked for again.
+            surface.keep_patches();
+        }
+        let known = known.into_iter().map(|face| {
+            let number = chosen.partition_point(|&other| other < face);
+            (face, number as u32)
+        });
+        Self {
+            surface,
+            known: known.collect(),
+            vertices,
+        }
+    }
 
-impl LimitPart<'_> {
     /// A place of the mesh, if the surface is known there.
     pub(super) fn place(&self, place: &MaterialPoint) -> Option<MaterialPoint> {
-        let number = self.numbers[place.face];
-        (number != OUTSIDE).then_some(MaterialPoint {
-            face: FaceId(number),
+        let found = self
+            .known
+            .binary_search_by_key(&place.face, |(face, _)| *face);
+        found.ok().map(|i| MaterialPoint {
+            face: FaceId(self.known[i].1),
             ..*place
         })
     }
@@ -36,13 +74,15 @@ impl LimitPart<'_> {
     }
 }
 
-/// Hands out the limit surface of `mesh` for `most` faces at a time, and for `rings` rings of faces around these, with
-/// the numbers of those of `places` that lie on the former; as long as `act` says yes.
-pub(super) fn for_each_part(
+/// Evaluates `places` part by part: `of_part` is given the limit surface of `most` neighbouring faces and the numbers of
+/// the places on them, and may move these over so many `rings` of faces around. Parts run in parallel; `take` gets what
+/// was found in their order, until it says no.
+pub(super) fn for_each_part<R: Send>(
     mesh: &TriMesh,
     places: &[MaterialPoint],
     (most, rings): (usize, usize),
-    mut act: impl FnMut(&LimitPart<'_>, &[u32]) -> bool,
+    of_part: impl Fn(&LimitPart, &[u32]) -> R + Sync,
+    mut take: impl FnMut(&[u32], R) -> bool,
 ) {
     // From neighbour to neighbour, so that few faces lie around each part.
     let faces = match mesh.face_count() <= most {
@@ -55,49 +95,30 @@ pub(super) fn for_each_part(
     }
     let part_of = |i: u32| ranks[places[i as usize].face] / most;
     let mut by_part: Vec<u32> = (0..places.len() as u32).collect();
-    by_part.sort_unstable_by_key(|&i| (part_of(i), i));
-    let mut numbers = PerFace::filled(faces.len(), OUTSIDE);
-    let mut is_chosen = PerFace::filled(faces.len(), false);
-    for own in by_part.chunk_by(|&i, &j| part_of(i) == part_of(j)) {
+    by_part.par_sort_unstable_by_key(|&i| (part_of(i), i));
+    let parts = by_part.chunk_by(|&i, &j| part_of(i) == part_of(j));
+    let parts: Vec<&[u32]> = parts.collect();
+    let found = |own: &&[u32]| {
         let part = part_of(own[0]);
-        let mut chosen = faces[part * most..faces.len().min((part + 1) * most)].to_vec();
-        for &face in &chosen {
-            is_chosen[face] = true;
-        }
-        for _ in 0..rings {
-            add_neighbours(mesh, &mut chosen, &mut is_chosen);
-        }
-        let known = chosen.len();
-        add_neighbours(mesh, &mut chosen, &mut is_chosen);
-        for (number, &face) in (0..).zip(&chosen[..known]) {
-            numbers[face] = number;
-        }
-        let whole = mesh.submesh(&chosen);
-        let mut surface = LoopSurface::new(&whole.mesh, &no_corners(&whole.mesh));
-        surface.keep_patches();
-        let part = LimitPart {
-            surface,
-            vertices: whole.vertices.into_vec(),
-            numbers: &numbers,
-        };
-        if !act(&part, own) {
-            return;
-        }
-        for &face in &chosen {
-            (numbers[face], is_chosen[face]) = (OUTSIDE, false);
+        let core = &faces[part * most..faces.len().min((part + 1) * most)];
+        of_part(&LimitPart::new(mesh, core, rings), own)
+    };
+    for parts in parts.chunks(PARTS_AT_A_TIME) {
+        let found: Vec<R> = parts.par_iter().map(found).collect();
+        for (own, found) in parts.iter().zip(found) {
+            if !take(own, found) {
+                return;
+            }
         }
     }
 }
 
-/// Adds the other faces around the vertices of those that are `chosen`.
-fn add_neighbours(mesh: &TriMesh, chosen: &mut Vec<FaceId>, is_chosen: &mut PerFace<bool>) {
-    for i in 0..chosen.len() {
-        for v in mesh.faces()[chosen[i]] {
-            for &face in mesh.vertex_faces(v) {
-                if !std::mem::replace(&mut is_chosen[face], true) {
-                    chosen.push(face);
-                }
-            }
-        }
-    }
+/// Adds the other faces around the vertices of those that are `chosen`, ascending as these.
+fn add_neighbours(mesh: &TriMesh, chosen: &mut Vec<FaceId>) {
+    let vertices = chosen.iter().flat_map(|&face| mesh.faces()[face]);
+    let around = vertices.flat_map(|v| mesh.vertex_faces(v));
+    let around: Vec<FaceId> = around.copied().collect();
+    chosen.extend(around);
+    chosen.sort_unstable();
+    chosen.dedup();
 }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use ruga_mesh::{FaceId, Id, MaterialPoint, PerVertex, SparseRows, SurfaceLookup, TriMesh};
 
 use super::line_shift::LineShift;
-use super::parts::{FACES_AT_A_TIME, for_each_part};
+use super::parts::{FACES_AT_A_TIME, LimitPart, for_each_part};
 use super::{PLACES_AT_A_TIME, through_vertices};
 use crate::skin::mirror::Mirrored;
 use crate::skin::skin_mesh::SkinMesh;
@@ -13,8 +13,8 @@ use crate::skin::skin_mesh::SkinMesh;
 /// Corrections of places towards those of the limit surface; the first takes most of the way.
 const PLACING_STEPS: usize = 2;
 
-/// Rings of faces around a part of the mesh up to which places may leave it.
-const RINGS: usize = 1;
+/// Rings of faces around a part of the mesh up to which places may leave it; steps are some hundredths of an edge long.
+const RINGS: usize = 2;
 
 /// Distance of the limit surface from where it is wanted, in the shortest edge there, from which on a place is
 /// corrected.
@@ -113,60 +113,79 @@ fn place_near(
         .map(|found| found.point)
 }
 
-/// The places at which the limit surface through a mesh at rest passes `wanted` positions most closely, from those at
-/// which its faces do; those that are `held` stay. `None` as soon as `goes_on` says no.
+/// The places at which the limit surface through a mesh at rest passes `wanted` positions closely, from those at which
+/// its faces do: up to [`NEAR`], as far as [`PLACING_STEPS`] corrections lead. Those that are `held` stay. `None` as soon
+/// as `goes_on` says no.
 ///
 /// Where edges differ in length the limit surface lies beside the place of the faces that it belongs to, by some
 /// hundredths of an edge. Read there, the flank of a wrinkle would be as rough as edges are irregular.
 pub(crate) fn places_of_limit(
+    on: (&TriMesh, &[Vector3<f64>], &SparseRows),
+    places: Vec<MaterialPoint>,
+    wanted: (&[Vector3<f64>], &[bool]),
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<Vec<MaterialPoint>> {
+    placed_in_parts(on, places, wanted, FACES_AT_A_TIME, goes_on)
+}
+
+/// Does what [`places_of_limit`] does, for `most` faces at a time.
+fn placed_in_parts(
     (mesh, rest, at_vertices): (&TriMesh, &[Vector3<f64>], &SparseRows),
     mut places: Vec<MaterialPoint>,
     (wanted, held): (&[Vector3<f64>], &[bool]),
+    most: usize,
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<Vec<MaterialPoint>> {
     let control = through_vertices(at_vertices, rest);
     let lookup = SurfaceLookup::new(mesh, rest);
-    let mut goes_on_still = true;
     let start = places.clone();
-    for_each_part(mesh, &start, (FACES_AT_A_TIME, RINGS), |part, own| {
+    let of_part = |part: &LimitPart, own: &[u32]| {
         let control = part.control(&control);
         let free = own.iter().map(|&i| i as usize).filter(|&i| !held[i]);
-        let mut trials: Vec<Trial> = free
-            .map(|vertex| Trial {
-                vertex,
-                place: start[vertex],
-                before: f64::INFINITY,
-            })
-            .collect();
+        let trial = |vertex: usize| Trial {
+            vertex,
+            place: start[vertex],
+            before: f64::INFINITY,
+        };
+        let mut trials: Vec<Trial> = free.map(trial).collect();
+        let mut better = Vec::new();
         for step in 0..=PLACING_STEPS {
             let on_part = |trial: &Trial| part.place(&trial.place).expect("a place of the part");
             let tried: Vec<_> = trials.iter().map(on_part).collect();
             let [reached] = part.surface.positions(&tried, [&control]);
-            let found = trials.par_iter_mut().zip(&reached);
-            let next = found.with_min_len(PLACES_AT_ONCE).map(|(trial, reached)| {
+            let found = trials.into_par_iter().zip(reached);
+            let found = found.with_min_len(PLACES_AT_ONCE).map(|(trial, reached)| {
                 let (way, place) = (wanted[trial.vertex] - reached, trial.place);
                 let distance = way.norm();
+                let is_near = distance <= NEAR * shortest_edge(mesh, rest, place.face);
                 // Around vertices with many edges a step may lead away.
-                let is_better = distance < std::mem::replace(&mut trial.before, distance);
-                let moves = is_better
-                    && step < PLACING_STEPS
-                    && distance > NEAR * shortest_edge(mesh, rest, place.face);
-                let near = moves.then(|| {
+                let is_better = distance < trial.before;
+                let next = (is_better && !is_near && step < PLACING_STEPS).then(|| {
                     let target = place.interpolate(mesh, rest) + way;
                     lookup.closest_near(place.face, &target, 2.0 * distance)
                 });
-                let near = near.flatten().map(|near| near.point);
-                (is_better, near.filter(|near| part.place(near).is_some()))
+                let next = next.flatten().map(|next| next.point);
+                let next = next.filter(|next| part.place(next).is_some());
+                let next = next.map(|place| Trial {
+                    place,
+                    before: distance,
+                    ..trial
+                });
+                (is_better.then_some((trial.vertex, place)), next)
             });
-            let next: Vec<_> = next.collect();
             let mut following = Vec::new();
-            for (trial, (is_better, near)) in trials.into_iter().zip(next) {
-                if is_better {
-                    places[trial.vertex] = trial.place;
-                    following.extend(near.map(|place| Trial { place, ..trial }));
-                }
+            for (found, next) in found.collect::<Vec<_>>() {
+                better.extend(found);
+                following.extend(next);
             }
             trials = following;
+        }
+        better
+    };
+    let mut goes_on_still = true;
+    for_each_part(mesh, &start, (most, RINGS), of_part, |_, better| {
+        for (vertex, place) in better {
+            places[vertex] = place;
         }
         goes_on_still = goes_on();
         goes_on_still
@@ -186,4 +205,39 @@ fn shortest_edge(mesh: &TriMesh, rest: &[Vector3<f64>], face: FaceId) -> f64 {
     let [a, b, c] = mesh.faces()[face].map(|v| rest[v.index()]);
     let edges = [b - a, c - b, a - c].map(|edge| edge.norm());
     edges.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use ruga_mesh::limit_rows;
+
+    use super::*;
+    use crate::skin::interpolation::no_corners;
+    use crate::test_drivers::{skin, square};
+
+    /// Places on every part of a wavy mesh, many of which leave the part that they begin in.
+    #[test]
+    fn places_cross_parts_as_they_do_in_the_whole() {
+        let bumps = |p: nalgebra::Vector2<f64>| {
+            Vector3::new(p.x, p.y, 2e-3 * (400.0 * p.x).sin() * (300.0 * p.y).cos())
+        };
+        let driver = square(&bumps, &bumps);
+        let [mesh, fine] = [1, 2].map(|levels| skin(&driver, levels, 0.0));
+        let rows = limit_rows(&mesh.mesh, &no_corners(&mesh.mesh)).position;
+        let rest = mesh.rest.positions.as_slice();
+        let start = places_on(&mesh, None, &fine, &mut || true).expect("nothing ends it");
+        let held = vec![false; start.len()];
+        let wanted = (fine.rest.positions.as_slice(), held.as_slice());
+        let placed = |most: usize| {
+            let on = (&mesh.mesh, rest, &rows);
+            placed_in_parts(on, start.clone(), wanted, most, &mut || true).expect("nothing ends it")
+        };
+        let whole = placed(mesh.mesh.face_count());
+        let moved = whole.iter().zip(&start);
+        let moved = moved.filter(|(new, old)| new.face != old.face).count();
+        assert!(moved > start.len() / 50, "{moved} of {}", start.len());
+        assert!(placed(50) == whole);
+        let on = (&mesh.mesh, rest, &rows);
+        assert!(placed_in_parts(on, start, wanted, 50, &mut || false).is_none());
+    }
 }
