@@ -9,8 +9,8 @@ pub const BYTES_PER_TEXEL: f64 = 30.0;
 /// Bytes for every vertex planned of the lowest layer's output mesh, one that is fine in all directions; halving leaves
 /// more vertices than planned. From a smile of 69 thousand and hands of 35 to 350.
 const PER_OUTPUT_VERTEX: f64 = 2.6e3;
-/// The same for layers on others, whose meshes are fine across the waves alone and fitted to coarser ones: raised brows
-/// of 389 and 906 thousand vertices take 3.4 and 9.2 GB, for which 4.3 and 11.4 are told.
+/// The same for layers on others, whose meshes are fine across the waves alone and fitted to coarser ones, and which
+/// have given back what solved them before.
 const PER_OUTPUT_VERTEX_ABOVE: f64 = 1e3;
 /// Factorisations in which the first wrinkles are found, on the whole of a layer or in wide patches.
 const FIRST: f64 = 17.0;
@@ -21,7 +21,7 @@ const OVERLAPPED: f64 = 1.5;
 const IN_PATCHES: f64 = 1e4;
 /// Bytes for every vertex of a layer so large that its patches are set up when it is their turn: from hands of 36 to 300
 /// thousand vertices, of which the largest takes 3.2 GB on two threads.
-const IN_WIDE_PATCHES: f64 = 6e3;
+const IN_WIDE_PATCHES: f64 = 5.7e3;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;
 
@@ -67,9 +67,10 @@ pub(crate) struct Load {
 /// (nested dissection of a surface), its memory with `n log n`; beyond `most_in_whole` vertices the layer
 /// is solved in patches after its first wrinkles, and beyond some times as many from the beginning, and both
 /// grow with its size. The output mesh has `output_vertices`; maps are `map_size` texels wide, and the time that it
-/// takes to bake them is not counted. All memory is added up, though what a layer is solved with is given back before
-/// its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 590 MB for a
-/// smile that takes 490.
+/// takes to bake them is not counted. Of the lowest layer all memory is added up, though what it is solved with is given
+/// back before its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 590 MB
+/// for a smile that takes 490. Layers on others take what solves them or what shows them: raised brows of 389 and 906
+/// thousand vertices 2.0 and 5.8 GB, for which 3.0 and 6.6 are told.
 pub(crate) fn cost(
     (vertices, is_lowest): (usize, bool),
     most_in_whole: usize,
@@ -101,11 +102,11 @@ pub(crate) fn cost(
     } else {
         factor(n)
     };
-    let per_output_vertex = match is_lowest {
-        true => PER_OUTPUT_VERTEX,
-        false => PER_OUTPUT_VERTEX_ABOVE,
+    let of_layer = match is_lowest {
+        true => of_layer + PER_OUTPUT_VERTEX * output_vertices,
+        false => of_layer.max(PER_OUTPUT_VERTEX_ABOVE * output_vertices),
     };
-    let memory = BASE + of_layer + per_output_vertex * output_vertices + BYTES_PER_TEXEL * texels;
+    let memory = BASE + of_layer + BYTES_PER_TEXEL * texels;
     (preparation + work, memory)
 }
 

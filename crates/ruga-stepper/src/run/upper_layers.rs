@@ -153,8 +153,8 @@ impl<'a> StackRun<'a> {
         }
     }
 
-    /// Shows an upper layer that is solved no further, and gives up what solved it before its output mesh is made; `None`
-    /// when the observer ends the work.
+    /// Shows an upper layer that is solved no further, and gives up what solved it before its output mesh is made;
+    /// `None` when the observer ends the work.
     fn show_last(
         &self,
         upper: LayerRun<'a>,

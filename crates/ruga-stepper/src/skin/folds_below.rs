@@ -17,8 +17,8 @@ pub(crate) struct FoldBelow {
     pub(crate) beside: f64,
 }
 
-/// The fold of `lower` beside each of `places` on it, where there is one closer than `reach` (m, > 0); empty where it has
-/// no creases.
+/// The fold of `lower` beside each of `places` on it, where there is one closer than `reach` (m, > 0); empty where it
+/// has no creases.
 pub(crate) fn folds_below(
     lower: &SkinMesh,
     places: &[MaterialPoint],

@@ -60,8 +60,8 @@ pub(crate) struct OnOutput<'o> {
 }
 
 impl Shown {
-    /// Shows a layer, whose mesh `skin` is a fitted one, on `region`, which was made of `unmade`. `often` prepares it for
-    /// more shapes than the present one.
+    /// Shows a layer, whose mesh `skin` is a fitted one, on `region`, which was made of `unmade`. `often` prepares
+    /// it for more shapes than the present one.
     pub(super) fn new(
         driver: &Driver,
         (spec, wrinkling, skin): (&LayerSpec, &Wrinkling, &SkinMesh),

@@ -150,8 +150,8 @@ impl Seen<'_> {
         &self.skin
     }
 
-    /// The mesh that it was computed on, and positions of its vertices, then of those of a layer that moves together with
-    /// it, m.
+    /// The mesh that it was computed on, and positions of its vertices, then of those of a layer that moves together
+    /// with it, m.
     pub(crate) fn into_shape(self) -> (SkinMesh, Vec<Vector3<f64>>) {
         (self.skin.into_owned(), self.positions.into_owned())
     }

@@ -74,9 +74,9 @@ impl LimitPart {
     }
 }
 
-/// Evaluates `places` part by part: `of_part` is given the limit surface of `most` neighbouring faces and the numbers of
-/// the places on them, and may move these over so many `rings` of faces around. Parts run in parallel; `take` gets what
-/// was found in their order, until it says no.
+/// Evaluates `places` part by part: `of_part` is given the limit surface of `most` neighbouring faces and the numbers
+/// of the places on them, and may move these over so many `rings` of faces around. Parts run in parallel; `take` gets
+/// what was found in their order, until it says no.
 pub(super) fn for_each_part<R: Send>(
     mesh: &TriMesh,
     places: &[MaterialPoint],

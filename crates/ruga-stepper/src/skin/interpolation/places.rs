@@ -114,8 +114,8 @@ fn place_near(
 }
 
 /// The places at which the limit surface through a mesh at rest passes `wanted` positions closely, from those at which
-/// its faces do: up to [`NEAR`], as far as [`PLACING_STEPS`] corrections lead. Those that are `held` stay. `None` as soon
-/// as `goes_on` says no.
+/// its faces do: up to [`NEAR`], as far as [`PLACING_STEPS`] corrections lead. Those that are `held` stay. `None` as
+/// soon as `goes_on` says no.
 ///
 /// Where edges differ in length the limit surface lies beside the place of the faces that it belongs to, by some
 /// hundredths of an edge. Read there, the flank of a wrinkle would be as rough as edges are irregular.
