@@ -45,7 +45,7 @@ pub(crate) use load::LayerState;
 pub(crate) use output::{OnOutput, Output, OutputMesh, Unmade};
 use output::{Shown, interpolation_to};
 use pulls::ToldPulls;
-pub(crate) use snapshot::Seen;
+pub(crate) use snapshot::LayerView;
 
 /// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.

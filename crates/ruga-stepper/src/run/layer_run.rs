@@ -12,7 +12,7 @@ use ruga_solver::{
 };
 
 use crate::preparing::Preparing;
-use crate::run::layer::{Layer, LayerState, Output, Seen};
+use crate::run::layer::{Layer, LayerState, LayerView, Output};
 use crate::run::patches::{Patches, Width};
 use crate::skin::upper_shell::UpperShell;
 use crate::support::motion::Inertia;
@@ -109,8 +109,8 @@ impl<'a> LayerRun<'a> {
     }
 
     /// What others see of a layer that is solved no further, and what it is shown by; what solves it is forgotten.
-    pub(crate) fn into_seen(self) -> (Seen<'static>, Output) {
-        self.layer.into_seen()
+    pub(crate) fn into_view(self) -> (LayerView<'static>, Output) {
+        self.layer.into_view()
     }
 
     /// Counts in what an earlier run of the same layer has done.

@@ -7,7 +7,7 @@ use ruga_crease::TracedLine;
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::adaptivity::{Fitting, SizingRequest};
-use crate::run::layer::{Layer, LayerOptions, OnOutput, Output, OutputMesh, Seen, Unmade};
+use crate::run::layer::{Layer, LayerOptions, LayerView, OnOutput, Output, OutputMesh, Unmade};
 use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
@@ -122,12 +122,12 @@ impl<'a> StackRun<'a> {
         Ok(Halt::unless_interrupted(shown)?.is_some())
     }
 
-    /// What is `seen` of a layer on its `output` mesh, where nothing else of it will be shown; `None` when the observer
+    /// The `view` of a layer on its `output` mesh, where nothing else of it will be shown; `None` when the observer
     /// ends the work.
     pub(crate) fn last_output(
         &self,
         (index, output): (usize, Output),
-        seen: &Seen<'_>,
+        view: &LayerView<'_>,
         observer: &mut dyn Observer,
     ) -> Result<Option<OnOutput<'static>>, StepperError> {
         let preparing = &mut Preparing::new(observer, index, Phase::Sampling);
@@ -136,10 +136,10 @@ impl<'a> StackRun<'a> {
             Output::Later(unmade) => {
                 let made = self.made_output(index, &unmade, preparing);
                 let made = made.map(|region| (region, unmade));
-                made.and_then(|made| seen.shown_on(&self.plan.driver, made, preparing))
+                made.and_then(|made| view.shown_on(&self.plan.driver, made, preparing))
             }
         };
-        Ok(Halt::unless_interrupted(shown)?.map(|shown| shown.last_of(seen)))
+        Ok(Halt::unless_interrupted(shown)?.map(|shown| shown.last_of(view)))
     }
 
     fn made_output(

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use nalgebra::Vector3;
 
 use crate::error::Halt;
-use crate::run::layer::{Layer, OnOutput, Seen};
+use crate::run::layer::{Layer, LayerView, OnOutput};
 use crate::run::layer_run::{Ending, LayerRun, Loading};
 use crate::run::layer_setup::OutputEdges;
 use crate::run::stack_run::{LoadPoint, StackRun};
@@ -32,7 +32,7 @@ impl<'a> StackRun<'a> {
         let mut surfaces = Vec::new();
         let mut solved: Vec<SolvedLayer<'a>> = Vec::new();
         // Where every layer's vertices are as maps show them, the lowest layer's first.
-        let mut shown = vec![self.shown_positions(run.index, &run.layer.seen(), support, &[])];
+        let mut shown = vec![self.shown_positions(run.index, &run.layer.view(), support, &[])];
         let last = self.spec().keys.iter().copied().fold(0.0, f64::max);
         let is_last = point.weight_fraction >= last;
         for index in lowest + 1..self.plan.stacking.specs.len() {
@@ -163,15 +163,15 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Option<ShownLayer<'a>>, StepperError> {
         let index = upper.index;
-        let (seen, output) = upper.into_seen();
-        let Some(output) = self.last_output((index, output), &seen, observer)? else {
+        let (view, output) = upper.into_view();
+        let Some(output) = self.last_output((index, output), &view, observer)? else {
             return Ok(None);
         };
         observer.phase(index, Phase::Sampling);
-        let surfaces = self.snapshots(index, (&seen, &output), support, lower);
+        let surfaces = self.snapshots(index, (&view, &output), support, lower);
         drop(output);
-        let shown = self.shown_positions(index, &seen, support, lower);
-        let (skin, positions) = seen.into_shape();
+        let shown = self.shown_positions(index, &view, support, lower);
+        let (skin, positions) = view.into_shape();
         let left = SolvedLayer::Over {
             index,
             skin: Box::new(skin),
@@ -193,7 +193,7 @@ impl<'a> StackRun<'a> {
         }
         observer.phase(upper.index, Phase::Sampling);
         let surfaces = self.snapshots_of(&upper, support, lower, observer);
-        let shown = self.shown_positions(upper.index, &upper.layer.seen(), support, lower);
+        let shown = self.shown_positions(upper.index, &upper.layer.view(), support, lower);
         let kept = SolvedLayer::Kept(Box::new(upper), ending);
         Ok(Some((kept, surfaces, shown)))
     }
@@ -203,7 +203,7 @@ impl<'a> StackRun<'a> {
     fn shown_positions(
         &self,
         index: usize,
-        seen: &Seen<'_>,
+        view: &LayerView<'_>,
         support: &dyn Support,
         lower: &[LowerLayer<'_>],
     ) -> Vec<Vector3<f64>> {
@@ -213,11 +213,11 @@ impl<'a> StackRun<'a> {
         }
         // Driver and body are shown as they are.
         if lower.is_empty() {
-            return seen.shown_positions(seen.support());
+            return view.shown_positions(view.support());
         }
-        let on = OnSupport::new((&self.plan.driver, support), seen.skin());
+        let on = OnSupport::new((&self.plan.driver, support), view.skin());
         let surface = on.below(self.plan.stacking.attachments[index], &as_shown(lower));
-        seen.shown_positions(&surface)
+        view.shown_positions(&surface)
     }
 
     /// A layer as results have it, and one that moves together with it, with the states of their faces for an observer
@@ -229,9 +229,9 @@ impl<'a> StackRun<'a> {
         lower: &[LowerLayer<'_>],
         observer: &dyn Observer,
     ) -> Vec<LayerSurface> {
-        let seen = run.layer.seen();
-        let on_output = run.layer.on_output(&seen);
-        let mut surfaces = self.snapshots(run.index, (&seen, &on_output), support, lower);
+        let view = run.layer.view();
+        let on_output = run.layer.on_output(&view);
+        let mut surfaces = self.snapshots(run.index, (&view, &on_output), support, lower);
         if observer.wants_face_states() {
             for (surface, states) in surfaces.iter_mut().zip(run.layer.face_states()) {
                 surface.face_states = Some(states);
@@ -244,7 +244,7 @@ impl<'a> StackRun<'a> {
     fn snapshots(
         &self,
         index: usize,
-        (layer, on_output): (&Seen<'_>, &OnOutput<'_>),
+        (layer, on_output): (&LayerView<'_>, &OnOutput<'_>),
         support: &dyn Support,
         lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {

@@ -9,7 +9,7 @@ use ruga_material::Wrinkling;
 use ruga_mesh::PerFace;
 
 use super::Layer;
-use super::snapshot::{Seen, Shape};
+use super::snapshot::{LayerView, Shape};
 use crate::LayerSpec;
 use crate::error::Halt;
 use crate::preparing::Preparing;
@@ -83,20 +83,20 @@ impl Shown {
         })
     }
 
-    /// The output mesh with what is `seen` of the layer at its vertices.
-    fn of(&self, seen: &Seen<'_>) -> OnOutput<'_> {
+    /// The output mesh with what the `view` shows of the layer at its vertices.
+    fn of(&self, view: &LayerView<'_>) -> OnOutput<'_> {
         OnOutput {
-            shape: seen.shape.on_output(self.interpolation.as_ref()),
+            shape: view.shape.on_output(self.interpolation.as_ref()),
             mesh: self.region.shown(),
             weights: Cow::Borrowed(&self.weights),
         }
     }
 
-    /// The output mesh with what is `seen` of the layer at its vertices, without what only further results and meshes
-    /// would need.
-    pub(crate) fn last_of(self, seen: &Seen<'_>) -> OnOutput<'static> {
+    /// The output mesh with what the `view` shows of the layer at its vertices, without what only further results and
+    /// meshes would need.
+    pub(crate) fn last_of(self, view: &LayerView<'_>) -> OnOutput<'static> {
         OnOutput {
-            shape: seen.shape.on_output(self.interpolation.as_ref()),
+            shape: view.shape.on_output(self.interpolation.as_ref()),
             mesh: self.region.into_shown(),
             weights: Cow::Owned(self.weights),
         }
@@ -134,12 +134,12 @@ impl Layer {
         Ok(())
     }
 
-    /// Its output mesh, and at its vertices what is `seen` of the layer.
+    /// Its output mesh, and at its vertices what the `view` shows of the layer.
     ///
     /// # Panics
     /// As [`Self::region`].
-    pub(crate) fn on_output(&self, seen: &Seen<'_>) -> OnOutput<'_> {
-        self.shown().of(seen)
+    pub(crate) fn on_output(&self, view: &LayerView<'_>) -> OnOutput<'_> {
+        self.shown().of(view)
     }
 
     /// Gives back the output mesh where it can be made again: it takes as much memory as what solves the layer.

@@ -25,7 +25,7 @@ const BESIDE_PLANE: f64 = 2.0;
 
 /// A layer as others see it: its mesh, its shape, and what the surface below asks of it. What solves it, three quarters
 /// of its memory, is not needed for that.
-pub(crate) struct Seen<'l> {
+pub(crate) struct LayerView<'l> {
     spec: Cow<'l, LayerSpec>,
     wrinkling: Wrinkling,
     skin: Cow<'l, SkinMesh>,
@@ -39,7 +39,7 @@ pub(crate) struct Seen<'l> {
     pub(super) shape: Shape,
 }
 
-/// Where a layer is on what lies below it, at the vertices of a mesh.
+/// Where a layer is on what lies below it, and what that asks of it, at the vertices of a mesh.
 #[derive(Clone)]
 pub(crate) struct Shape {
     /// Displacements of the vertices from where they would be without wrinkles, m.
@@ -51,7 +51,7 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// The same at the vertices that `interpolation` takes it to; where there is none, at its own.
+    /// The shape at the vertices of the output mesh, to which `interpolation` takes it, or which are its own.
     pub(super) fn on_output(&self, interpolation: Option<&Interpolation>) -> Self {
         let Some(interpolation) = interpolation else {
             return self.clone();
@@ -88,8 +88,8 @@ impl Shape {
 
 impl Layer {
     /// The layer as others see it.
-    pub(crate) fn seen(&self) -> Seen<'_> {
-        Seen {
+    pub(crate) fn view(&self) -> LayerView<'_> {
+        LayerView {
             shape: self.shape(),
             spec: Cow::Borrowed(&self.spec),
             wrinkling: self.wrinkling,
@@ -102,8 +102,8 @@ impl Layer {
     }
 
     /// What others see of a layer that is solved no further, and what it is shown by.
-    pub(crate) fn into_seen(self) -> (Seen<'static>, Output) {
-        let seen = Seen {
+    pub(crate) fn into_view(self) -> (LayerView<'static>, Output) {
+        let view = LayerView {
             shape: self.shape(),
             spec: Cow::Owned(self.spec),
             wrinkling: self.wrinkling,
@@ -113,7 +113,7 @@ impl Layer {
             posed: Cow::Owned(self.support.posed),
             positions: Cow::Owned(self.positions),
         };
-        (seen, self.output)
+        (view, self.output)
     }
 
     fn shape(&self) -> Shape {
@@ -144,7 +144,7 @@ impl Layer {
     }
 }
 
-impl Seen<'_> {
+impl LayerView<'_> {
     /// The mesh that it was computed on.
     pub(crate) fn skin(&self) -> &SkinMesh {
         &self.skin
