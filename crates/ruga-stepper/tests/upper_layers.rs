@@ -8,7 +8,7 @@ use ruga_stepper::{Coupling, LayerSpec, Observer, PoseResult, PoseSpec, Preparat
 /// Three layers that wrinkle by the second of two keys.
 fn run(observer: &mut dyn Observer) -> PoseResult {
     let driver = driver();
-    let layers = [1.0, 0.8, 0.6].map(|share| {
+    let layers = [2.0, 1.6, 1.3].map(|share| {
         let mut layer = skin("forehead-furrow", Coupling::Hybrid);
         layer.name = format!("{share}");
         layer.material.thickness *= share;
