@@ -38,13 +38,13 @@ use crate::support::support_surface::{SupportSurface, TangentialSprings};
 use crate::support::{Interior, Solid};
 use crate::{LayerSpec, StepperError};
 
-pub(crate) use absorption::Absorption;
 use absorption::Bands;
 use creases::CreaseStrengths;
+use pulls::ToldPulls;
+
+pub(crate) use absorption::Absorption;
 pub(crate) use load::LayerState;
 pub(crate) use output::{OnOutput, Output, OutputMesh, Unmade};
-use output::{Shown, interpolation_to};
-use pulls::ToldPulls;
 pub(crate) use snapshot::LayerView;
 
 /// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a
@@ -156,20 +156,7 @@ impl Layer {
         let adapted =
             adapted.filter(|skin| options.interior.is_some() || skin.has_inner_vertices());
         let weights = |skin: &SkinMesh| ReliefWeights::new(driver, spec, wrinkling, skin);
-        let output = match output {
-            OutputMesh::Made(region) => {
-                let interpolation = adapted.as_ref();
-                let interpolation =
-                    interpolation.map(|skin| interpolation_to(skin, &region, preparing));
-                Output::Made(Box::new(Shown {
-                    weights: weights(&region.skin)?,
-                    interpolation: interpolation.transpose()?,
-                    region: *region,
-                    unmade: None,
-                }))
-            }
-            OutputMesh::Later(unmade) => Output::Later(unmade),
-        };
+        let output = Output::new(output, adapted.as_ref(), weights, preparing)?;
         let skin = match (adapted, &output) {
             (Some(skin), _) => skin,
             (None, Output::Made(shown)) => shown.region.skin.clone(),

@@ -86,7 +86,7 @@ pub(crate) struct StackRun<'a> {
     pub(crate) pose: usize,
     pub(crate) result: PoseResult,
     /// The layers above the lowest one, as they were left by the last frame that had them; none after the last key
-    /// where no frames are wanted.
+    /// where neither frames nor states of faces are wanted.
     pub(crate) upper: Vec<Option<LayerRun<'a>>>,
     /// Projections of their meshes onto those below.
     pub(crate) covers: Rc<Covers>,

@@ -61,6 +61,7 @@ impl<'a> StackRun<'a> {
             // From a state that is none, nothing goes on. An output mesh takes as much memory as what solves a layer.
             let is_over = ending != Ending::Reached || (is_last && !observer.wants_frames());
             let report = upper.report.clone();
+            // States of faces are found from what solved the layer.
             let shown_layer = match is_over && !observer.wants_face_states() {
                 true => self.show_last(upper, support, &lower, observer)?,
                 false => self.show_kept((upper, ending), support, &lower, observer)?,

@@ -10,13 +10,13 @@ use ruga_mesh::PerFace;
 
 use super::Layer;
 use super::snapshot::{LayerView, Shape};
-use crate::LayerSpec;
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::skin::interpolation::Interpolation;
 use crate::skin::piece::Piece;
 use crate::skin::relief::ReliefWeights;
 use crate::skin::skin_mesh::{RegionMesh, ShownMesh, SkinMesh};
+use crate::{LayerSpec, StepperError};
 
 /// The output mesh of a layer's region: made, or known well enough to make it. It takes more memory than the layer, and
 /// nothing asks for it before the layer is solved.
@@ -57,6 +57,29 @@ pub(crate) struct OnOutput<'o> {
     /// Weights of the relief.
     pub(super) weights: Cow<'o, ReliefWeights>,
     pub(super) shape: Shape,
+}
+
+impl Output {
+    /// Shows a layer on `mesh`, from the fitted mesh that it is solved on, if that is another; the relief has these
+    /// `weights` on a mesh.
+    pub(super) fn new(
+        mesh: OutputMesh,
+        fitted: Option<&SkinMesh>,
+        weights: impl Fn(&SkinMesh) -> Result<ReliefWeights, StepperError>,
+        preparing: &mut Preparing<'_>,
+    ) -> Result<Self, Halt> {
+        let region = match mesh {
+            OutputMesh::Made(region) => *region,
+            OutputMesh::Later(unmade) => return Ok(Self::Later(unmade)),
+        };
+        let interpolation = fitted.map(|skin| interpolation_to(skin, &region, preparing));
+        Ok(Self::Made(Box::new(Shown {
+            interpolation: interpolation.transpose()?,
+            weights: weights(&region.skin)?,
+            region,
+            unmade: None,
+        })))
+    }
 }
 
 impl Shown {
@@ -184,7 +207,7 @@ impl Layer {
 }
 
 /// Transfer of values at the vertices of `skin` to those of `region`, for many of them.
-pub(super) fn interpolation_to(
+fn interpolation_to(
     skin: &SkinMesh,
     region: &RegionMesh,
     preparing: &mut Preparing<'_>,
