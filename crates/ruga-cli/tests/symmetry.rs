@@ -7,13 +7,13 @@ mod fixture;
 use fixture::{Folder, strip};
 
 /// Vertices along and across a strip of skin whose middle is at x = 0.
-const COUNT: [usize; 2] = [13, 5];
+const COUNT: [usize; 2] = [9, 4];
 
 /// A strip with the part beyond `side` squeezed towards the middle: -1 left, 1 right, 0 none. Its diagonals are other
 /// ones on the other side.
 fn squeezed(side: f64) -> String {
     strip(COUNT, 0.3, |column, row| {
-        let x = -0.06 + 0.01 * column as f64;
+        let x = 0.01 * (column as f64 - 4.0);
         let x = if x * side > 0.0 { 0.88 * x } else { x };
         [x, 0.01 * row as f64]
     })
