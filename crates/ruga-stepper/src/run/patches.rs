@@ -183,10 +183,10 @@ impl Patches {
     /// Minimises the energy over all free vertices, from their coordinates `x` (m), and leaves it there.
     ///
     /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has: in the first
-    /// sweep to `settings`, later to [`LITTLE`], but to `settings` again where that did not move it. A state that is
-    /// only passed does without its second sweep where that would gain as little, by what the last second sweep
-    /// gained. Sweeps that do not get there, with an [`Extrapolation`] after the second and each that follows, end
-    /// without, as the patches' width says.
+    /// sweep to `settings`, later to [`LITTLE`], but to `settings` again where that did not move it; where nothing else
+    /// is left, such patches alone are solved. A state that is only passed does without its second sweep where that would
+    /// gain as little, by what the last second sweep gained. Sweeps that do not get there, with an [`Extrapolation`]
+    /// after the second and each that follows, end without, as the patches' width says.
     /// `keep_going` is asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,
@@ -205,6 +205,7 @@ impl Patches {
         let mut reports: Vec<Option<SolveReport>> = vec![None; self.patches.len()];
         let mut done = Work::default();
         let (mut before, mut sweeps) = (f64::INFINITY, 0);
+        let (mut is_ahead, mut is_closing) = (false, false);
         let (index, keeps) = (&self.index, self.keeps);
         let later = NewtonSettings {
             energy_tolerance: settings.energy_tolerance.max(LITTLE),
@@ -214,6 +215,8 @@ impl Patches {
         loop {
             let start = x.to_vec();
             let missing = whole.missing(x)?;
+            // Gain, scaled to the whole layer, above which a patch's neighbours are solved again.
+            let noticed = if is_closing { little } else { tolerated };
             // What is shown, which depends on who is done first.
             let mut shown = done.clone();
             let mut is_stopped = false;
@@ -233,7 +236,7 @@ impl Patches {
                         x[place] = *value;
                     }
                     // Where a constraint had to be restored the energy may have risen.
-                    if solved.gain.abs() > tolerated * patch.share {
+                    if solved.gain.abs() > noticed * patch.share {
                         patch.neighbours.iter().for_each(|&j| is_due[j] = true);
                     }
                     shown.add(&solved.report, patch.share);
@@ -250,7 +253,8 @@ impl Patches {
                 if let Some(solved) = solved.transpose()? {
                     let (report, patch) = (solved.report, &mut self.patches[i]);
                     // Its last step would have risen, so that it takes shorter ones.
-                    patch.is_exact = report.converged
+                    patch.is_exact = !is_closing
+                        && report.converged
                         && report.decrement > settings.energy_tolerance
                         && solved.gain <= 0.0;
                     is_due[i] |= patch.is_exact;
@@ -265,8 +269,9 @@ impl Patches {
             }
             // One that has not converged may have, once its neighbours have moved.
             let is_nobody_due = is_due.iter().all(|due| !due);
-            let has_converged = !is_open && reports.iter().flatten().all(|report| report.converged);
-            if sweeps == 1 && has_converged {
+            let all_converged = reports.iter().flatten().all(|report| report.converged);
+            let has_converged = !is_open && all_converged;
+            if sweeps == 1 && has_converged && !is_closing {
                 self.second_over_first = Some(gained / before);
             }
             let is_passed = sweeps == 0 && settings.at_saddle == AtSaddle::Pass;
@@ -277,12 +282,27 @@ impl Patches {
                 return Ok(done.report(&reports, None));
             }
             sweeps += 1;
-            if self.width.ends(sweeps, gained / before, little / gained) {
+            // A sweep of a few patches says nothing about how fast all of them are.
+            let share = if is_closing { 0.0 } else { gained / before };
+            if self.width.ends(sweeps, share, little / gained) {
                 return Ok(done.report(&reports, Some(StopRule::IterationLimit)));
             }
-            before = gained;
-            // The first sweep still finds the equilibrium of every patch, and restores averages.
-            if sweeps > 1 && has_converged && extrapolation.step(&whole, (&start, x), tolerated) {
+            if !is_closing {
+                before = gained;
+            }
+            // The first sweep still finds the equilibrium of every patch, and restores averages. A sweep that gained
+            // little from where an extrapolation had led is not worth another.
+            let is_worth_more = all_converged && !is_closing && !(is_little && is_ahead);
+            is_ahead =
+                sweeps > 1 && is_worth_more && extrapolation.step(&whole, (&start, x), tolerated);
+            // One of many patches always had a last step that would have risen. Where nothing else is left, all others
+            // would go on with it for sweep after sweep, each with such a patch among them.
+            let was_closing = is_closing;
+            is_closing = is_little && all_converged && !is_ahead;
+            if is_closing {
+                let exact = self.patches.iter().map(|patch| patch.is_exact);
+                is_due = exact.collect();
+            } else if is_ahead || was_closing {
                 is_due.fill(true);
             }
         }
