@@ -1,10 +1,10 @@
 //! Chosen places of the driver's smooth surface, in any pose.
 
+use std::ops::Range;
+
 use nalgebra::Vector3;
 use rayon::prelude::*;
-use ruga_mesh::{
-    Id, LimitPoints, LoopSurface, MaterialPoint, TriMesh, face_normals, vertex_normals,
-};
+use ruga_mesh::{Id, LimitPoints, LoopSurface, MaterialPoint, TriMesh, vertex_normals};
 
 use crate::base_surface::material_tangent;
 use crate::{Driver, PosedSurface, Smoothing};
@@ -34,7 +34,7 @@ impl SurfacePoints {
     ///
     /// # Panics
     /// When a point lies on a face that the driver does not have.
-    pub fn new(driver: &Driver, points: &[MaterialPoint], smoothing: Smoothing) -> Self {
+    pub fn new(driver: &Driver, points: Vec<MaterialPoint>, smoothing: Smoothing) -> Self {
         Self::new_while(driver, points, smoothing, &mut || true).expect("nothing ends it early")
     }
 
@@ -45,7 +45,7 @@ impl SurfacePoints {
     /// As [`Self::new`].
     pub fn new_while(
         driver: &Driver,
-        points: &[MaterialPoint],
+        points: Vec<MaterialPoint>,
         smoothing: Smoothing,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
@@ -57,9 +57,9 @@ impl SurfacePoints {
         let places = match smoothing {
             Smoothing::Loop => {
                 let surface = LoopSurface::new(driver.topology(), driver.corners());
-                Places::OnLimit(LimitPoints::new(surface, points.to_vec(), goes_on)?)
+                Places::OnLimit(LimitPoints::new(surface, points, goes_on)?)
             }
-            Smoothing::None => Places::OnFacets(points.to_vec()),
+            Smoothing::None => Places::OnFacets(points),
         };
         Some(Self {
             topology: driver.topology().clone(),
@@ -83,39 +83,59 @@ impl SurfacePoints {
     /// # Panics
     /// When there is not one control point per vertex of the driver.
     pub fn pose(&self, control: &[Vector3<f64>]) -> PosedSurface {
+        self.pose_some(0..self.points().len(), control)
+    }
+
+    /// Positions (m), unit normals and tangents of [`pose`](Self::pose) at the points with these numbers.
+    ///
+    /// # Panics
+    /// As [`pose`](Self::pose), and when there are no such points.
+    pub fn pose_some(&self, points: Range<usize>, control: &[Vector3<f64>]) -> PosedSurface {
+        self.check(control);
         match &self.places {
-            Places::OnLimit(points) => self.pose_limit(points, control),
-            Places::OnFacets(points) => self.pose_facets(points, control),
+            Places::OnLimit(limit) => self.pose_limit((limit, points), control),
+            Places::OnFacets(places) => self.pose_facets(&places[points], control),
         }
     }
 
-    /// Two tangents at every point that move with the material, m: how the surface changes with the
-    /// barycentric coordinates of its driver face.
+    /// Two tangents at some of the points, by their numbers, that move with the material, m: how the surface changes
+    /// with the barycentric coordinates of the driver's face there.
     ///
     /// # Panics
-    /// When there is not one control point per vertex of the driver.
-    pub fn derivatives(&self, control: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 2]> {
-        assert_eq!(
-            control.len(),
-            self.topology.vertex_count(),
-            "one control point per vertex"
-        );
+    /// When there is not one control point per vertex of the driver, or there are no such points.
+    pub fn some_derivatives(
+        &self,
+        points: Range<usize>,
+        control: &[Vector3<f64>],
+    ) -> Vec<[Vector3<f64>; 2]> {
+        self.check(control);
         match &self.places {
-            Places::OnLimit(points) => points.derivatives(control),
-            Places::OnFacets(points) => {
+            Places::OnLimit(limit) => limit.some_derivatives(points, control),
+            Places::OnFacets(places) => {
                 let edges = |point: &MaterialPoint| {
                     let [a, b, c] =
                         self.topology.faces()[point.face].map(|v| control[v.0 as usize]);
                     [b - a, c - a]
                 };
-                points.iter().map(edges).collect()
+                places[points].iter().map(edges).collect()
             }
         }
     }
 
-    fn pose_limit(&self, points: &LimitPoints, control: &[Vector3<f64>]) -> PosedSurface {
-        let facets = face_normals(&self.topology, control);
-        let planes = points.planes(control);
+    fn check(&self, control: &[Vector3<f64>]) {
+        assert_eq!(
+            control.len(),
+            self.topology.vertex_count(),
+            "one control point per vertex"
+        );
+    }
+
+    fn pose_limit(
+        &self,
+        (limit, points): (&LimitPoints, Range<usize>),
+        control: &[Vector3<f64>],
+    ) -> PosedSurface {
+        let planes = limit.some_planes(points.clone(), control);
         let none = vec![Vector3::zeros(); planes.len()];
         let mut posed = PosedSurface {
             normals: none.clone(),
@@ -124,10 +144,13 @@ impl SurfacePoints {
         };
         let places = posed.positions.par_iter_mut().zip(&mut posed.normals);
         let places = places.zip(&mut posed.tangents).with_min_len(POINTS_AT_ONCE);
-        let on_limit = planes.par_iter().zip(points.points());
+        let on_limit = planes.par_iter().zip(&limit.points()[points]);
         let on_limit = places.zip(on_limit);
         on_limit.for_each(|(((position, normal), tangent), (plane, point))| {
-            let facet = || facets[point.face].try_normalize(0.0);
+            let facet = || {
+                let [a, b, c] = self.topology.faces()[point.face].map(|v| control[v.0 as usize]);
+                (b - a).cross(&(c - a)).try_normalize(0.0)
+            };
             // A collapsed facet has no normal either; any unit vector keeps what follows finite.
             *normal = plane.normal().or_else(facet).unwrap_or_else(Vector3::z);
             *position = plane.position;

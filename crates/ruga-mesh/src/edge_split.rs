@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use crate::{EdgeId, FaceId, FaceOrigin, Id, PerFace, TriMesh, VertexId};
 
-/// Faces that a thread splits at least.
+/// Faces that a thread splits at a time.
 const FACES_AT_ONCE: usize = 1024;
 
 /// A mesh with some edges split.
@@ -30,6 +30,19 @@ pub struct BornVertex {
     pub fraction: f64,
 }
 
+/// The faces of a mesh with some edges split, before a mesh is made of them.
+#[derive(Clone, Debug)]
+pub struct SplitFaces {
+    /// Vertices of every new face; those of the old mesh keep their numbers.
+    pub faces: Vec<[u32; 3]>,
+    /// The new vertices, which follow the old ones.
+    pub born: Vec<BornVertex>,
+    /// The old face that every new one is a part of, ascending.
+    pub parents: Vec<FaceId>,
+    /// Where every new face lies, as `placed` gave it.
+    pub origins: Vec<FaceOrigin>,
+}
+
 /// Gives every edge with a fraction in `places` a vertex at that part of the way between its two
 /// vertices, and splits the faces beside it; `positions` (m) gets those of the new vertices.
 ///
@@ -49,6 +62,26 @@ pub fn split_edges(
     places: &[Option<f64>],
     positions: &mut Vec<Vector3<f64>>,
 ) -> EdgeSplit {
+    let split = split_faces(mesh, places, positions, |part| *part);
+    let mesh = TriMesh::new(positions.len(), split.faces);
+    EdgeSplit {
+        mesh: mesh.expect("neighbours are cut at the same vertices"),
+        born: split.born,
+        origins: split.origins.into(),
+    }
+}
+
+/// Splits faces as [`split_edges`] does, for who gives up the old mesh before the new one is made; `placed` turns the
+/// place of a new face in its old one into the place to keep.
+///
+/// # Panics
+/// As [`split_edges`].
+pub fn split_faces(
+    mesh: &TriMesh,
+    places: &[Option<f64>],
+    positions: &mut Vec<Vector3<f64>>,
+    placed: impl Fn(&FaceOrigin) -> FaceOrigin + Sync,
+) -> SplitFaces {
     assert_eq!(places.len(), mesh.edges().len(), "one place per edge");
     assert_eq!(
         positions.len(),
@@ -68,8 +101,7 @@ pub fn split_edges(
             fraction,
         });
     }
-    let parts = |face: usize| {
-        let face = FaceId::from_index(face);
+    let split = |face: FaceId| {
         let places = places_in(mesh, face, &numbers, places);
         let vertex = |at: usize| places[at].0;
         let length = |[a, b]: [usize; 2]| {
@@ -83,15 +115,53 @@ pub fn split_edges(
         };
         children(cut, length).into_iter().map(part)
     };
-    let old = (0..mesh.face_count()).into_par_iter();
-    let (faces, origins): (Vec<_>, Vec<_>) =
-        old.with_min_len(FACES_AT_ONCE).flat_map_iter(parts).unzip();
-    let mesh = TriMesh::new(positions.len(), faces);
-    EdgeSplit {
-        mesh: mesh.expect("neighbours are cut at the same vertices"),
+    // A face has one part more than cut edges. Lists of the right length are filled in place: those of all threads,
+    // put together, would be there twice.
+    let old: Vec<FaceId> = mesh.faces().ids().collect();
+    let cut_edges = |face: FaceId| {
+        let edges = mesh.face_edges(face).into_iter();
+        edges.filter(|edge| places[edge.index()].is_some()).count()
+    };
+    let count = old.iter().map(|&face| 1 + cut_edges(face)).sum();
+    let mut made = SplitFaces {
+        faces: vec![[0; 3]; count],
         born,
-        origins: origins.into(),
+        parents: vec![FaceId(0); count],
+        origins: vec![
+            FaceOrigin {
+                face: FaceId(0),
+                corners: [[0.0; 3]; 3],
+            };
+            count
+        ],
+    };
+    let mut rest = (
+        made.faces.as_mut_slice(),
+        made.parents.as_mut_slice(),
+        made.origins.as_mut_slice(),
+    );
+    let mut pieces = Vec::new();
+    for faces in old.chunks(FACES_AT_ONCE) {
+        let count = faces.iter().map(|&face| 1 + cut_edges(face)).sum();
+        let own = (
+            rest.0.split_off_mut(..count),
+            rest.1.split_off_mut(..count),
+            rest.2.split_off_mut(..count),
+        );
+        if let (Some(vertices), Some(parents), Some(origins)) = own {
+            pieces.push((faces, vertices, parents, origins));
+        }
     }
+    pieces
+        .into_par_iter()
+        .for_each(|(faces, vertices, parents, origins)| {
+            let made = faces.iter().flat_map(|&face| split(face));
+            let places = vertices.iter_mut().zip(parents).zip(origins);
+            for (((vertices, parent), origin), (corners, part)) in places.zip(made) {
+                (*vertices, *parent, *origin) = (corners, part.face, placed(&part));
+            }
+        });
+    made
 }
 
 /// Vertex and weights of a face's three corners, then of the new vertices on its edges.

@@ -42,7 +42,7 @@ pub use topology::{Edge, Submesh, TriMesh};
 pub use vertex_fan::VertexFan;
 
 pub use block_pattern::{BlockPattern, BlockSlot};
-pub use edge_split::{BornVertex, EdgeSplit, split_edges};
+pub use edge_split::{BornVertex, EdgeSplit, SplitFaces, split_edges, split_faces};
 pub use error::MeshError;
 pub use geodesic::{edge_distances, edge_distances_with_starts};
 pub use geometry::{

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use crate::{Id, LimitPointRows, LoopSurface, MaterialPoint, TangentPlane};
+use crate::{Id, LimitPointRows, LoopSurface, MaterialPoint, SparseRows, TangentPlane};
 
 /// Points whose rows are made between two questions whether to go on, about a tenth of a second.
 const POINTS_AT_A_TIME: usize = 20_000;
@@ -94,17 +94,23 @@ impl LimitPoints {
         }
     }
 
-    /// The derivatives of [`planes`](Self::planes) alone, m.
+    /// How the surface changes with the two barycentric coordinates at some of the points, by their numbers, m: the
+    /// derivatives of [`some_planes`](Self::some_planes) alone.
     ///
     /// # Panics
-    /// As [`planes`](Self::planes).
-    pub fn derivatives(&self, control: &[Vector3<f64>]) -> Vec<[Vector3<f64>; 2]> {
+    /// As [`some_planes`](Self::some_planes).
+    pub fn some_derivatives(
+        &self,
+        points: Range<usize>,
+        control: &[Vector3<f64>],
+    ) -> Vec<[Vector3<f64>; 2]> {
         match &self.kept {
             Kept::Rows(rows) => {
-                let [u, v] = rows.first.each_ref().map(|rows| rows.apply(control));
+                let of = |rows: &SparseRows| rows.apply_some(points.clone(), control);
+                let [u, v] = rows.first.each_ref().map(of);
                 u.into_iter().zip(v).map(|(u, v)| [u, v]).collect()
             }
-            Kept::Surface(surface) => surface.derivatives(&self.points, control),
+            Kept::Surface(surface) => surface.derivatives(&self.points[points], control),
         }
     }
 }
@@ -148,7 +154,7 @@ mod tests {
         assert!(
             [&rows, &none]
                 .iter()
-                .all(|points| points.derivatives(&control) == first)
+                .all(|points| points.some_derivatives(20..50, &control) == first[20..50])
         );
         let surface = LoopSurface::new(&mesh, &PerVertex::filled(4, false));
         assert!(LimitPoints::new(surface, points, &mut || false).is_none());

@@ -152,11 +152,11 @@ impl SparseRows {
         self.apply_some(0..self.row_count(), values)
     }
 
-    /// Those of some `rows` alone.
+    /// The weighted sums of `values` for some of the rows.
     ///
     /// # Panics
     /// As [`apply`](Self::apply), and when there is no such row.
-    pub(crate) fn apply_some<T: Copy + Mul<f64, Output = T> + Sum>(
+    pub fn apply_some<T: Copy + Mul<f64, Output = T> + Sum>(
         &self,
         rows: Range<usize>,
         values: &[T],

@@ -1,6 +1,11 @@
 //! Connectivity of an oriented manifold triangle mesh with border.
 
+use rayon::prelude::*;
+
 use crate::{EdgeId, FaceId, Id, MeshError, PerEdge, PerFace, PerVertex, VertexId};
+
+/// Vertices whose half-edges a thread sorts at a time.
+const VERTICES_AT_ONCE: usize = 4096;
 
 /// An undirected edge and what lies on both sides of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +56,10 @@ impl TriMesh {
         check_count("faces", faces.len())?;
         let faces: PerFace<[VertexId; 3]> = faces.into_iter().map(|f| f.map(VertexId)).collect();
         check_faces(vertex_count, &faces)?;
-        let tables = build_edges(vertex_count, &faces);
+        let (tables, (vertex_face_starts, vertex_faces)) = rayon::join(
+            || build_edges(vertex_count, &faces),
+            || build_vertex_faces(vertex_count, &faces),
+        );
         // Two faces on the same vertices share an edge, whose apexes then are the same.
         let is_folded = |edge: &Edge| edge.apexes[0] == edge.apexes[1];
         if !tables
@@ -61,7 +69,6 @@ impl TriMesh {
             check_duplicates(&faces)?;
         }
         let (edges, face_edges) = tables?;
-        let (vertex_face_starts, vertex_faces) = build_vertex_faces(vertex_count, &faces);
         Ok(Self {
             faces,
             edges,
@@ -278,13 +285,10 @@ fn build_edges(
     for (face, corner) in half_edges() {
         let [a, b] = ends(face, corner);
         let slot = &mut cursor[a.min(b).index()];
-        at_lower[*slot as usize] = (a.max(b), face, corner);
+        at_lower[*slot as usize] = (a.max(b), face, corner as u32);
         *slot += 1;
     }
-    // By their other ends, and stably: a hub of very many faces would else be searched for each of them.
-    for range in starts.windows(2) {
-        at_lower[range[0] as usize..range[1] as usize].sort_by_key(|half| half.0);
-    }
+    sort_by_other_end(&starts, &mut at_lower);
 
     // Euler's formula: no more on a disc.
     let mut edges = Vec::with_capacity(vertex_count + faces.len());
@@ -314,6 +318,7 @@ fn build_edges(
         };
         for (side, &(_, other, at)) in group.iter().enumerate() {
             // Neighbours that wind alike run their common edge in opposite directions.
+            let at = at as usize;
             if side == 1 && ends(other, at) == [a, b] {
                 return Err(MeshError::InconsistentWinding {
                     first: face,
@@ -331,6 +336,28 @@ fn build_edges(
         |edges: &[Option<EdgeId>; 3]| edges.map(|edge| edge.expect("every half-edge has an edge"));
     let face_edges = face_edges.as_slice().iter().map(all).collect();
     Ok((edges.into(), face_edges))
+}
+
+/// A half-edge at the lower of its vertices: the other one, its face, and the corner there at which it begins.
+type AtLower = (VertexId, FaceId, u32);
+
+/// Sorts the half-edges of every vertex, which are those from its `starts` on, by their other ends, and stably: a hub
+/// of very many faces would else be searched for each of them.
+fn sort_by_other_end(starts: &[u32], mut half_edges: &mut [AtLower]) {
+    let mut parts = Vec::new();
+    for first in (0..starts.len() - 1).step_by(VERTICES_AT_ONCE) {
+        let own = &starts[first..starts.len().min(first + VERTICES_AT_ONCE + 1)];
+        let count = (own[own.len() - 1] - own[0]) as usize;
+        let (part, rest) = half_edges.split_at_mut(count);
+        parts.push((own, part));
+        half_edges = rest;
+    }
+    parts.into_par_iter().for_each(|(starts, part)| {
+        for range in starts.windows(2) {
+            let [from, to] = [range[0], range[1]].map(|start| (start - starts[0]) as usize);
+            part[from..to].sort_by_key(|half| half.0);
+        }
+    });
 }
 
 /// Where each vertex's part of a list begins that has an entry for every one of `vertices`, and its

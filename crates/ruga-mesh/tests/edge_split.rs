@@ -3,7 +3,9 @@
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use ruga_mesh::{Id, MaterialPoint, TriMesh, face_areas, split_edges};
+use ruga_mesh::{
+    Edge, FaceOrigin, Id, MaterialPoint, TriMesh, face_areas, split_edges, split_faces,
+};
 
 #[test]
 fn parts_lie_where_they_say_and_cover_the_mesh() {
@@ -48,4 +50,47 @@ fn parts_lie_where_they_say_and_cover_the_mesh() {
         let (before, after) = (area(&mesh, &rest), area(&split.mesh, &positions));
         assert!((after / before - 1.0).abs() < 1e-12);
     }
+}
+
+/// More faces and vertices than a thread takes at a time.
+#[test]
+fn many_faces_are_numbered_in_their_order() {
+    const SIDE: u32 = 80;
+    let squares = (0..SIDE * SIDE).map(|i| i / SIDE * (SIDE + 1) + i % SIDE);
+    let faces = squares.flat_map(|a| {
+        let [b, c, d] = [a + 1, a + SIDE + 2, a + SIDE + 1];
+        [[a, b, c], [a, c, d]]
+    });
+    let count = (SIDE + 1) * (SIDE + 1);
+    let mesh = TriMesh::new(count as usize, faces.collect()).expect("a grid");
+    // In the order of first appearance.
+    let mut edges = 0;
+    for face in mesh.faces().ids() {
+        for edge in mesh.face_edges(face) {
+            assert!(edge.index() <= edges);
+            edges += usize::from(edge.index() == edges);
+        }
+    }
+    assert_eq!(edges, mesh.edges().len());
+
+    let place = |(i, edge): (usize, &Edge)| (i % 3 > 0 && !edge.is_border()).then_some(0.4);
+    let places = mesh.edges().as_slice().iter().enumerate().map(place);
+    let places: Vec<Option<f64>> = places.collect();
+    let row = |v: u32| Vector3::new(f64::from(v % (SIDE + 1)), f64::from(v / (SIDE + 1)), 0.0);
+    let rest: Vec<_> = (0..count).map(row).collect();
+    let [mut once, mut again] = [rest.clone(), rest];
+    let split = split_edges(&mesh, &places, &mut once);
+    let other = |part: &FaceOrigin| FaceOrigin {
+        corners: part.corners.map(|[u, v, w]| [v, w, u]),
+        ..*part
+    };
+    let faces = split_faces(&mesh, &places, &mut again, other);
+    assert!(once == again && faces.born == split.born);
+    assert!(faces.parents.is_sorted() && faces.parents.len() > 3 * mesh.face_count() / 2);
+    let parts = split.origins.as_slice().iter().zip(&faces.origins);
+    for ((part, placed), parent) in parts.zip(&faces.parents) {
+        assert!(part.face == *parent && other(part) == *placed);
+    }
+    let corners = split.mesh.faces().as_slice().iter();
+    assert!(corners.map(|face| face.map(|v| v.0)).eq(faces.faces));
 }

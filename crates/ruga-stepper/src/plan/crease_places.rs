@@ -79,7 +79,7 @@ fn under(
     let flat = |place: &MaterialPoint| place.interpolate(driver.topology(), driver.rest());
     let mut places = drawn.to_vec();
     for _ in 0..STEPS {
-        let smooth = SurfacePoints::new(driver, &places, smoothing).pose(driver.rest());
+        let smooth = SurfacePoints::new(driver, places.clone(), smoothing).pose(driver.rest());
         let surface = smooth.positions.iter().zip(&smooth.normals);
         for ((place, wanted), (at, normal)) in places.iter_mut().zip(drawn).zip(surface) {
             let off = flat(wanted) - at;

@@ -83,7 +83,7 @@ pub(crate) struct Layer {
     /// Response bending modulus of the uncorrected mesh over that of the material, once measured.
     pub(crate) bending_ratio: Option<f64>,
     areas: Vec<f64>,
-    support: SupportSurface,
+    support: Arc<SupportSurface>,
     /// Strains that the support surface applies to the layer as it has grown.
     strains: PerFace<FaceStrain>,
     /// Strains of the support surface alone, relative to the rest metric with its transfer; `None` where they
@@ -95,7 +95,7 @@ pub(crate) struct Layer {
     positions: Vec<Vector3<f64>>,
     /// Positions of the vertices without wrinkles, on the support surface, m.
     base: Vec<Vector3<f64>>,
-    /// Velocities of the vertices where they have inertia, m/s.
+    /// Velocities of the vertices, m/s; empty until the first step in time.
     velocities: Vec<Vector3<f64>>,
     /// What its creases are drawn to.
     crease_strengths: CreaseStrengths,
@@ -268,18 +268,18 @@ impl Layer {
             strains: face_strains(&skin.mesh, &rest.positions, &rest.positions),
             driven: None,
             base: positions.clone(),
-            support: SupportSurface {
+            support: Arc::new(SupportSurface {
                 posed: rest.clone(),
                 transfer: None,
                 growth: None,
-            },
+            }),
             fractions: PerFace::filled(skin.mesh.face_count(), 1.0),
             held_normals: rest.normals.clone(),
             held_ratios: match &solid {
                 Some(_) => vec![1.0; skin.mesh.face_count()],
                 None => Vec::new(),
             },
-            velocities: vec![Vector3::zeros(); positions.len()],
+            velocities: Vec::new(),
             crease_strengths: CreaseStrengths::default(),
             bands: Bands::new(spec, &skin, &properties),
             absorption: Absorption::default(),

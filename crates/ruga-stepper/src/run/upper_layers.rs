@@ -1,6 +1,8 @@
 //! Layers that lie on others, solved on what those have become.
 
+use std::borrow::Cow;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
@@ -14,8 +16,9 @@ use crate::skin::skin_mesh::SkinMesh;
 use crate::support::Support;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::{
-    LowerLayer, OnSupport, SupportOf, SupportSurface, as_shown, support_surface,
+    LowerLayer, SupportOf, SupportSurface, as_shown, support_surface,
 };
+use crate::support::surface_below::SurfaceBelow;
 use crate::{LayerSurface, Observer, Phase, StepperError};
 
 impl<'a> StackRun<'a> {
@@ -133,7 +136,7 @@ impl<'a> StackRun<'a> {
         observer: &mut dyn Observer,
     ) -> Result<Ending, StepperError> {
         let mut loading = CarriedLoading {
-            support: support_of(run.layer.skin()),
+            support: support_of(run.layer.skin()).into(),
             weight: point.weight_fraction,
         };
         run.reach_all(None, &mut loading, &[1.0], observer)
@@ -169,8 +172,7 @@ impl<'a> StackRun<'a> {
             return Ok(None);
         };
         observer.phase(index, Phase::Sampling);
-        let surfaces = self.snapshots(index, (&view, &output), support, lower);
-        drop(output);
+        let surfaces = self.snapshots(index, (&view, output), support, lower);
         let shown = self.shown_positions(index, &view, support, lower);
         let (skin, positions) = view.into_shape();
         let left = SolvedLayer::Over {
@@ -216,9 +218,10 @@ impl<'a> StackRun<'a> {
         if lower.is_empty() {
             return view.shown_positions(view.support());
         }
-        let on = OnSupport::new((&self.plan.driver, support), view.skin());
-        let surface = on.below(self.plan.stacking.attachments[index], &as_shown(lower));
-        view.shown_positions(&surface)
+        let on = (&*self.plan.driver, support);
+        let attachment = self.plan.stacking.attachments[index];
+        let surface = SurfaceBelow::new(on, view.skin(), attachment, &as_shown(lower));
+        view.shown_positions(&surface.lifted())
     }
 
     /// A layer as results have it, and one that moves together with it, with the states of their faces for an observer
@@ -232,7 +235,7 @@ impl<'a> StackRun<'a> {
     ) -> Vec<LayerSurface> {
         let view = run.layer.view();
         let on_output = run.layer.on_output(&view);
-        let mut surfaces = self.snapshots(run.index, (&view, &on_output), support, lower);
+        let mut surfaces = self.snapshots(run.index, (&view, on_output), support, lower);
         if observer.wants_face_states() {
             for (surface, states) in surfaces.iter_mut().zip(run.layer.face_states()) {
                 surface.face_states = Some(states);
@@ -245,23 +248,25 @@ impl<'a> StackRun<'a> {
     fn snapshots(
         &self,
         index: usize,
-        (layer, on_output): (&LayerView<'_>, &OnOutput<'_>),
+        (layer, on_output): (&LayerView<'_>, OnOutput<'_>),
         support: &dyn Support,
         lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {
         let driver = self.plan.driver.as_ref();
         let attachment = self.plan.stacking.attachments[index];
-        let on = OnSupport::new((driver, support), &on_output.mesh.skin);
-        let surface = on.below(attachment, lower);
+        let below = |lower: &[LowerLayer<'_>]| {
+            SurfaceBelow::new((driver, support), &on_output.mesh.skin, attachment, lower)
+        };
+        let real = below(lower);
         // Maps show driver or body as they are.
-        let shown = (!lower.is_empty()).then(|| on.below(attachment, &as_shown(lower)));
-        let below = (&surface, shown.as_ref().unwrap_or(&surface));
-        layer.snapshots(
-            on_output,
-            (driver, on.into_posed()),
-            below,
-            attachment.offset,
-        )
+        let shown = (!lower.is_empty()).then(|| below(&as_shown(lower)));
+        let values = layer.values(&on_output, (&real, shown.as_ref()));
+        drop((real, shown));
+        // A mesh that nothing else will be shown on.
+        if let Cow::Owned(mesh) = &on_output.mesh {
+            self.covers.forget(&mesh.skin);
+        }
+        layer.surfaces(driver, (on_output, values), attachment.offset)
     }
 }
 
@@ -296,13 +301,13 @@ impl SolvedLayer<'_> {
 
 /// Loading of an upper layer, whose one load is what it lies on.
 struct CarriedLoading {
-    support: SupportSurface,
+    support: Arc<SupportSurface>,
     weight: f64,
 }
 
 impl Loading for CarriedLoading {
     fn place(&self, layer: &mut Layer, load: f64, _: Option<&Inertia>) -> Result<(), StepperError> {
-        layer.set_support(self.support.clone(), load)
+        layer.set_support(Arc::clone(&self.support), load)
     }
 
     fn pose_fraction(&self, load: f64) -> f64 {

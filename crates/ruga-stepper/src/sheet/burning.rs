@@ -69,6 +69,7 @@ pub(super) struct Remains {
 
 impl<'a> FireState<'a> {
     pub(super) fn new(
+        driver: &Driver,
         fire: &'a Fire,
         region: &RegionMesh,
         budget: usize,
@@ -82,7 +83,7 @@ impl<'a> FireState<'a> {
         let wanted = fire.front.width / fire.edges_per_width;
         let levels = levels(mean_edge, wanted);
         check_fields(fire, (levels, skin.mesh.vertex_count()), budget)?;
-        let grid = FieldGrid::new(region, levels);
+        let grid = FieldGrid::new(driver, region, levels);
         let uvs = grid.vertex_uvs();
         let law = fire.law()?;
         let fields = FieldMesh::new(&grid.mesh, &grid.rest).map_err(StepperError::burn)?;

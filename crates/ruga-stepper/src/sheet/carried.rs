@@ -47,18 +47,18 @@ impl SheetState<'_> {
             Some(_) => self.on_region(&self.carried_positions()),
             None => self.moving.positions.clone(),
         };
-        let mesh = region.shown();
+        let shown = region.shown(driver).clone();
         LayerSurface {
             name: self.spec.name.clone(),
-            positions: mesh.on_both_sides(own.clone()),
-            relief: mesh.on_both_sides(own.clone()),
-            driver_positions: mesh.on_both_sides(below.positions),
-            driver_normals: mesh.on_both_sides(below.normals),
+            positions: region.on_both_sides(own.clone()),
+            relief: region.on_both_sides(own.clone()),
+            driver_positions: region.on_both_sides(below.positions),
+            driver_normals: region.on_both_sides(below.normals),
             offset: 0.0,
-            faces: Arc::clone(&mesh.faces),
-            uvs: Arc::clone(&mesh.uvs),
+            faces: shown.faces,
+            uvs: shown.uvs,
             on_plane: Arc::default(),
-            artist: Arc::clone(&mesh.artist),
+            artist: shown.artist,
             computed: ComputedMesh::new(driver, &self.meshed.skin, &self.moving.positions),
             face_states: None,
             burnt: None,

@@ -1,6 +1,7 @@
 //! The mesh of temperature and fuel: that of the sheet, each of its triangles divided evenly.
 
 use nalgebra::{Vector2, Vector3};
+use ruga_blend::Driver;
 use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh, face_areas, split_edges};
 
 use crate::ArtistPlace;
@@ -37,7 +38,7 @@ pub(super) fn levels(mean_edge: f64, wanted: f64) -> u32 {
 }
 
 impl FieldGrid {
-    pub(super) fn new(region: &RegionMesh, levels: u32) -> Self {
+    pub(super) fn new(driver: &Driver, region: &RegionMesh, levels: u32) -> Self {
         let coarse = &region.skin.mesh;
         let mut rest = region.skin.rest.positions.clone();
         let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -71,7 +72,7 @@ impl FieldGrid {
                 };
             }
         }
-        let results = region.shown();
+        let results = region.shown(driver);
         let shown = &results.uvs;
         let uvs = origins.as_slice().iter().map(|origin| {
             let [a, b, c] = shown[origin.face.index()];

@@ -65,7 +65,7 @@ impl<'a> SheetState<'a> {
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Result<Self, Halt> {
         let fire = sheet.fire.as_ref();
-        let fire = fire.map(|fire| FireState::new(fire, &region, modelling.vertex_budget));
+        let fire = fire.map(|fire| FireState::new(driver, fire, &region, modelling.vertex_budget));
         let (mut fire, burning) = fire.transpose()?.unzip();
         let fitting = match (&fire, &burning) {
             (Some(fire), Some(burning)) => {

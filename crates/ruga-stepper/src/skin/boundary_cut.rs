@@ -15,7 +15,7 @@ use ruga_mesh::{
     BornVertex, Edge, EdgeId, FaceId, Id, PerEdge, TriMesh, VertexId, mean_edge_lengths,
 };
 
-use crate::skin::piece::{Piece, Split, blend, edge_corner};
+use crate::skin::piece::{Piece, Split, blend, edge_corner, uvs_of};
 
 /// Distance of a crossing from a vertex, in edges, up to which the boundary goes through the vertex:
 /// the mesh's error of place, and the least side of the faces that cutting makes.
@@ -135,6 +135,7 @@ fn inside(on: [bool; 3]) -> [f64; 3] {
 
 struct Cutter<'a> {
     map: &'a PropertyMap,
+    driver: &'a Driver,
     piece: Piece,
     /// On the driver's facets, m: lengths are all that is asked of them.
     positions: Vec<Vector3<f64>>,
@@ -146,11 +147,12 @@ struct Cutter<'a> {
 }
 
 impl<'a> Cutter<'a> {
-    fn new(map: &'a PropertyMap, driver: &Driver, piece: Piece) -> Self {
+    fn new(map: &'a PropertyMap, driver: &'a Driver, piece: Piece) -> Self {
         let positions = piece.flat_positions(driver);
         let vertices = positions.len();
         Self {
             map,
+            driver,
             sizes: mean_edge_lengths(&piece.mesh, &positions),
             positions,
             on_boundary: vec![false; vertices],
@@ -203,7 +205,7 @@ impl<'a> Cutter<'a> {
     fn line(&self, face: FaceId, id: EdgeId, edge: &Edge) -> [Vector2<f64>; 2] {
         let mesh = &self.piece.mesh;
         let corner = edge_corner(mesh, face, id);
-        let uvs = &self.piece.uvs[face.index()];
+        let uvs = uvs_of(self.driver, &self.piece.origins[face]);
         let [tail, head] = [uvs[corner], uvs[(corner + 1) % 3]];
         match mesh.faces()[face][corner] == edge.vertices[0] {
             true => [tail, head],
@@ -288,9 +290,12 @@ impl<'a> Cutter<'a> {
     fn features(&self) -> PerEdge<bool> {
         let mesh = &self.piece.mesh;
         let is_on = |v: VertexId| self.on_boundary[v.index()];
-        let faces = mesh.faces().as_slice().iter().zip(&self.piece.uvs);
+        let faces = mesh.faces().iter();
         let values: Vec<_> = faces
-            .map(|(corners, uvs)| self.map.sample(&blend(uvs, inside(corners.map(is_on)))))
+            .map(|(face, corners)| {
+                let uvs = uvs_of(self.driver, &self.piece.origins[face]);
+                self.map.sample(&blend(&uvs, inside(corners.map(is_on))))
+            })
             .collect();
         let pair = |edge: &Edge| match edge.vertices.map(is_on) {
             [true, true] => edge.faces.map(|face| face.map(Id::index)),

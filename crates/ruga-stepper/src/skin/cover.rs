@@ -1,7 +1,9 @@
 //! Which place of one layer every vertex of another lies on.
 
+use std::borrow::Cow;
 use std::cell::RefCell;
-use std::rc::Rc;
+use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 use rayon::prelude::*;
@@ -22,8 +24,8 @@ use crate::skin::skin_mesh::SkinMesh;
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
 const BESIDE: f64 = 1e-3;
 
-/// Covered vertices at which something is interpolated at a time: at all of them it would take more memory than what
-/// is made of it.
+/// Covered vertices at which tangents are found at a time: at all of them it would take more memory than what is
+/// made of it.
 const VERTICES_AT_A_TIME: usize = 1 << 16;
 
 /// Places that a thread looks for at least.
@@ -66,8 +68,11 @@ impl Cover {
         let at_vertices = limit_rows(mesh, &corners).position;
         let inside = match lower.creases.is_empty() {
             true => {
-                let above = vertices.iter().map(|&v| skin.rest.positions[v as usize]);
-                let above: Vec<_> = above.collect();
+                let above = &skin.rest.positions;
+                let above = match vertices.len() == above.len() {
+                    true => Cow::Borrowed(above),
+                    false => Cow::Owned(vertices.iter().map(|&v| above[v as usize]).collect()),
+                };
                 let free = vec![false; above.len()];
                 let on = (mesh, rest.as_slice(), &at_vertices);
                 places_of_limit(on, inside, (&above, &free), &mut || true)
@@ -79,14 +84,24 @@ impl Cover {
         let folds = folds_below(lower, &inside, rim);
         let surface = LoopSurface::new(mesh, &corners);
         let limit = LimitPoints::new(surface, inside, &mut || true).expect("nothing ends it early");
-        let along = skin.points.derivatives(driver.rest());
-        let planes = limit.planes(rest);
-        let tangents = vertices.iter().zip(&planes).map(|(&vertex, plane)| {
-            let columns = along[vertex as usize].map(|tangent| coordinates(&tangent, &plane.first));
-            Matrix2::from_columns(&columns)
-        });
+        let mut tangents = Vec::with_capacity(vertices.len());
+        for own in vertices.chunks(VERTICES_AT_A_TIME) {
+            let (Some(&first), Some(&last)) = (own.first(), own.last()) else {
+                continue;
+            };
+            let around = first as usize..last as usize + 1;
+            let along = skin.points.some_derivatives(around, driver.rest());
+            let ranks = tangents.len()..tangents.len() + own.len();
+            let planes = limit.some_planes(ranks, rest);
+            let places = own.par_iter().zip(&planes).with_min_len(PLACES_AT_ONCE);
+            tangents.par_extend(places.map(|(vertex, plane)| {
+                let along = along[(vertex - first) as usize];
+                let columns = along.map(|tangent| coordinates(&tangent, &plane.first));
+                Matrix2::from_columns(&columns)
+            }));
+        }
         Self {
-            tangents: tangents.collect(),
+            tangents,
             folds,
             at_vertices,
             images: mirrored.map(|whole| whole.images),
@@ -117,32 +132,32 @@ impl Cover {
         self.folds.get(i)?.as_ref()
     }
 
-    /// Interpolates vectors at the lower layer's vertices to every covered vertex. `take` is given its rank among these
-    /// and what was found there; [`Self::along`] turns the derivatives.
-    pub(crate) fn interpolate(
-        &self,
-        values: &[Vector3<f64>],
-        take: impl FnMut(usize, &TangentPlane),
-    ) {
-        self.interpolate_some(VERTICES_AT_A_TIME, values, take);
+    /// Numbers of the covered vertices among some `vertices` of the mesh above.
+    pub(crate) fn ranks(&self, vertices: &Range<usize>) -> Range<usize> {
+        let [first, end] = [vertices.start, vertices.end].map(|v| {
+            self.vertices
+                .partition_point(|&covered| (covered as usize) < v)
+        });
+        first..end
     }
 
-    fn interpolate_some(
-        &self,
-        at_a_time: usize,
-        values: &[Vector3<f64>],
-        mut take: impl FnMut(usize, &TangentPlane),
-    ) {
+    /// Control points that interpolate vectors at the lower layer's vertices, for [`Self::interpolate`].
+    pub(crate) fn control(&self, values: &[Vector3<f64>]) -> Vec<Vector3<f64>> {
         // The limit surface alone loses some per cent of a wave, which would be missing in the map.
-        let control = match &self.images {
+        match &self.images {
             None => through_vertices(&self.at_vertices, values),
             Some(images) => through_vertices(&self.at_vertices, &images.vectors(values)),
-        };
-        for start in (0..self.vertices.len()).step_by(at_a_time) {
-            let end = self.vertices.len().min(start + at_a_time);
-            let planes = self.limit.some_planes(start..end, &control);
-            (start..).zip(&planes).for_each(|(i, plane)| take(i, plane));
         }
+    }
+
+    /// Interpolates vectors, given by their `control` points, to the covered vertices with these `ranks` among them;
+    /// [`Self::along`] turns the derivatives.
+    pub(crate) fn interpolate(
+        &self,
+        control: &[Vector3<f64>],
+        ranks: Range<usize>,
+    ) -> Vec<TangentPlane> {
+        self.limit.some_planes(ranks, control)
     }
 
     /// Derivatives along the upper mesh's own tangents of what is interpolated at the `i`-th covered vertex.
@@ -156,7 +171,7 @@ impl Cover {
 /// and meshes last for many.
 #[derive(Debug, Default)]
 pub(crate) struct Covers {
-    known: RefCell<Vec<([Mark; 2], Rc<Cover>)>>,
+    known: RefCell<Vec<([Mark; 2], Arc<Cover>)>>,
 }
 
 impl Covers {
@@ -168,7 +183,7 @@ impl Covers {
         skin: &SkinMesh,
         lower: &SkinMesh,
         rim: f64,
-    ) -> Rc<Cover> {
+    ) -> Arc<Cover> {
         let mut known = self.known.borrow_mut();
         // Meshes are fitted anew from key to key, and their covers would pile up.
         known.retain(|(pair, _)| !pair.iter().any(Mark::is_stale));
@@ -176,12 +191,18 @@ impl Covers {
             above.is_of(&skin.identity) && below.is_of(&lower.identity)
         });
         if let Some((_, cover)) = found {
-            return Rc::clone(cover);
+            return Arc::clone(cover);
         }
-        let cover = Rc::new(Cover::new(driver, skin, lower, rim));
+        let cover = Arc::new(Cover::new(driver, skin, lower, rim));
         let pair = [skin, lower].map(|mesh| mesh.identity.mark());
-        known.push((pair, Rc::clone(&cover)));
+        known.push((pair, Arc::clone(&cover)));
         cover
+    }
+
+    /// Forgets what is known of where `skin` lies on other layers, where it is not expected to be asked for again.
+    pub(crate) fn forget(&self, skin: &SkinMesh) {
+        let mut known = self.known.borrow_mut();
+        known.retain(|([above, _], _)| !above.is_of(&skin.identity));
     }
 }
 
@@ -246,26 +267,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_few_vertices_at_a_time_give_the_same_as_all() {
-        let flat = |p: Vector2<f64>| Vector3::new(p.x, p.y, 0.0);
-        let driver = square(&flat, &flat);
-        let lower = skin(&driver, 0, 0.0);
-        let upper = skin(&driver, 1, OFFSET);
-        let cover = Cover::new(&driver, &upper, &lower, OFFSET);
-        let wave = |p: &Vector3<f64>| Vector3::z() * (900.0 * p.x).sin();
-        let values: Vec<_> = lower.rest.positions.iter().map(wave).collect();
-        let found = |at_a_time: usize| {
-            let mut found = Vec::new();
-            cover.interpolate_some(at_a_time, &values, |i, plane| found.push((i, *plane)));
-            found
-        };
-        let all = found(usize::MAX >> 1);
-        assert_eq!(all.len(), cover.vertices().len());
-        assert!(all.iter().enumerate().all(|(rank, (i, _))| rank == *i));
-        assert!(found(7) == all);
-    }
-
     /// The same meshes have one cover, which goes with either of them.
     #[test]
     fn covers_are_kept_as_long_as_their_meshes() {
@@ -275,10 +276,10 @@ mod tests {
         let [lower, upper] = [0.0, OFFSET].map(|offset| skin(&driver, 0, offset));
         let first = covers.of(&driver, &upper, &lower, OFFSET);
         let again = covers.of(&driver, &upper.clone(), &lower, OFFSET);
-        assert!(Rc::ptr_eq(&first, &again));
+        assert!(Arc::ptr_eq(&first, &again));
         drop(upper);
         let other = covers.of(&driver, &skin(&driver, 0, OFFSET), &lower, OFFSET);
-        assert!(!Rc::ptr_eq(&first, &other));
+        assert!(!Arc::ptr_eq(&first, &other));
         assert_eq!(covers.known.borrow().len(), 1);
     }
 }

@@ -6,7 +6,7 @@ use ruga_mesh::{FaceOrigin, Id, MaterialPoint, PerEdge, PerFace, PerVertex, TriM
 
 use crate::CreaseSpec;
 use crate::skin::boundary_cut::Cut;
-use crate::skin::piece::{Piece, blend};
+use crate::skin::piece::Piece;
 
 /// A piece with edges along crease lines.
 pub(crate) struct Creased {
@@ -48,10 +48,6 @@ pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cu
         &|v| is_on_boundary[v],
     );
     let lines = cut.lines(&lines);
-    let uvs = cut.parts.as_slice().iter().map(|part| {
-        let own = &piece.uvs[part.face.index()];
-        part.corners.map(|weights| blend(own, weights))
-    });
     Creased {
         boundaries: carried_over(&piece.mesh, &features, (&cut.piece.mesh, &cut.parts)),
         creases: cut.edges,
@@ -64,7 +60,6 @@ pub(crate) fn cut_along_creases(driver: &Driver, creases: &[CreaseSpec], cut: Cu
             .collect(),
         piece: Piece {
             points: points(&cut.piece.mesh, &cut.piece.origins),
-            uvs: uvs.collect(),
             mesh: cut.piece.mesh,
             origins: cut.piece.origins,
         },

@@ -14,6 +14,7 @@ use ruga_mesh::{FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh};
 
 use crate::skin::fading::faded_from;
 use crate::skin::material_places::{is_on_border, uv};
+use crate::skin::piece::uvs_of;
 
 /// Distance from seams and borders, in largest ways sideways, over which addresses are faded back
 /// to those of the material points, so that islands stay as large as they are.
@@ -52,21 +53,26 @@ pub(crate) struct Piece<'a> {
     /// Unit normals of the surface there.
     pub(crate) normals: &'a [Vector3<f64>],
     pub(crate) origins: &'a PerFace<FaceOrigin>,
-    /// Texture coordinates of the material points, per face and corner.
-    pub(crate) uvs: &'a [[Vector2<f64>; 3]],
+    pub(crate) driver: &'a Driver,
 }
 
-/// Texture coordinates of the corners of every face, and their barycentric coordinates in the
-/// driver's face it lies in; these may be beyond the face's edges.
+impl Piece<'_> {
+    /// Texture coordinates of the material points of a face's corners.
+    fn uvs(&self, face: usize) -> [Vector2<f64>; 3] {
+        uvs_of(self.driver, &self.origins.as_slice()[face])
+    }
+}
+
+/// Addresses of places of the smooth surface.
 #[derive(Clone, Debug)]
 pub(crate) struct FacetAddresses {
-    pub(crate) uvs: Vec<[Vector2<f64>; 3]>,
-    pub(crate) corners: Vec<[[f64; 3]; 3]>,
+    /// Every vertex' shift from its material point, in the texture.
+    shifts: Vec<Vector2<f64>>,
 }
 
 impl FacetAddresses {
-    pub(crate) fn new(driver: &Driver, piece: &Piece<'_>) -> Self {
-        let ways = ways(driver, piece);
+    pub(crate) fn new(piece: &Piece<'_>) -> Self {
+        let ways = ways(piece);
         // A shift that ended abruptly at a seam could fold the triangles beside it.
         let mut shifts = faded(piece, &ways);
         let is_held: Vec<bool> = ways.iter().map(Option::is_none).collect();
@@ -80,26 +86,38 @@ impl FacetAddresses {
                 break;
             }
         }
-        let faces = || (0..piece.uvs.len()).into_par_iter().with_min_len(AT_ONCE);
-        let uvs: Vec<_> = faces().map(|face| shifted(piece, &shifts, face)).collect();
-        let corners = faces().map(|face| {
-            let origin = &piece.origins[FaceId::from_index(face)];
-            barycentric(&driver.uvs()[origin.face], &uvs[face])
-                .filter(|corners| corners.as_flattened().iter().all(|w| w.abs() <= FAR_OUT))
-                .unwrap_or(origin.corners)
-        });
-        Self {
-            corners: corners.collect(),
-            uvs,
-        }
+        Self { shifts }
     }
+
+    /// Texture coordinates of the corners of a face of the mesh, which has this `origin`.
+    pub(crate) fn uvs(
+        &self,
+        driver: &Driver,
+        (corners, origin): ([u32; 3], &FaceOrigin),
+    ) -> [Vector2<f64>; 3] {
+        let uvs = uvs_of(driver, origin);
+        std::array::from_fn(|k| uvs[k] + self.shifts[corners[k] as usize])
+    }
+}
+
+/// Barycentric coordinates, in the driver's face that it lies in, of the corners of a face that has this `origin` and
+/// these texture coordinates; they may be beyond the driver's face's edges.
+pub(crate) fn corners_at(
+    driver: &Driver,
+    origin: &FaceOrigin,
+    uvs: &[Vector2<f64>; 3],
+) -> [[f64; 3]; 3] {
+    barycentric(&driver.uvs()[origin.face], uvs)
+        .filter(|corners| corners.as_flattened().iter().all(|w| w.abs() <= FAR_OUT))
+        .unwrap_or(origin.corners)
 }
 
 /// Shift from a vertex' place on its flat triangle to the one above or below where the surface is:
 /// its length, m, and its vector in the texture; `None` across a seam or at one, or on the border.
 type Way = Option<(f64, Vector2<f64>)>;
 
-fn ways(driver: &Driver, piece: &Piece<'_>) -> Vec<Way> {
+fn ways(piece: &Piece<'_>) -> Vec<Way> {
+    let driver = piece.driver;
     let border = driver.topology().border_vertices();
     let seams = seam_vertices(piece);
     let lines = piece.positions.par_iter().zip(piece.normals);
@@ -177,19 +195,15 @@ const FAR_OUT: f64 = 3.0;
 fn seam_vertices(piece: &Piece<'_>) -> Vec<bool> {
     let mut known: Vec<Option<Vector2<f64>>> = vec![None; piece.points.len()];
     let mut seams = vec![false; piece.points.len()];
-    let scale: f64 = piece
-        .uvs
-        .iter()
-        .flatten()
-        .map(Vector2::amax)
-        .fold(1.0, f64::max);
-    for (corners, uvs) in piece.mesh.faces().as_slice().iter().zip(piece.uvs) {
-        for (vertex, uv) in corners.iter().zip(uvs) {
+    let all = piece.driver.uvs().as_slice().iter().flatten();
+    let scale: f64 = all.map(Vector2::amax).fold(1.0, f64::max);
+    for (face, corners) in piece.mesh.faces().as_slice().iter().enumerate() {
+        for (vertex, uv) in corners.iter().zip(piece.uvs(face)) {
             let i = vertex.index();
             match &known[i] {
                 // As far as rounding goes: faces that share an edge may interpolate it apart.
                 Some(known) => seams[i] |= (known - uv).amax() > 1e-9 * scale,
-                None => known[i] = Some(*uv),
+                None => known[i] = Some(uv),
             }
         }
     }
@@ -211,8 +225,11 @@ fn faded(piece: &Piece<'_>, ways: &[Way]) -> Vec<Vector2<f64>> {
 }
 
 fn shifted(piece: &Piece<'_>, shifts: &[Vector2<f64>], face: usize) -> [Vector2<f64>; 3] {
-    let corners = piece.mesh.faces()[FaceId::from_index(face)];
-    std::array::from_fn(|k| piece.uvs[face][k] + shifts[corners[k].index()])
+    let (corners, uvs) = (
+        piece.mesh.faces()[FaceId::from_index(face)],
+        piece.uvs(face),
+    );
+    std::array::from_fn(|k| uvs[k] + shifts[corners[k].index()])
 }
 
 /// Twice the area of a face in the texture.
@@ -227,14 +244,15 @@ fn area([a, b, c]: &[Vector2<f64>; 3]) -> f64 {
 /// turns them over; halved shifts would then dent the line by as much as the shift is long.
 fn straighten_thin(piece: &Piece<'_>, is_held: &[bool], shifts: &mut [Vector2<f64>]) -> bool {
     let mut found = false;
-    for (face, uvs) in piece.uvs.iter().enumerate() {
+    for face in 0..piece.mesh.face_count() {
+        let uvs = piece.uvs(face);
         let (start, longest) = (0..3)
             .map(|k| (k, (uvs[(k + 1) % 3] - uvs[k]).norm_squared()))
             .fold(
                 (0, 0.0),
                 |most, side| if side.1 > most.1 { side } else { most },
             );
-        let before = area(uvs);
+        let before = area(&uvs);
         if before.abs() > THIN * longest {
             continue;
         }
@@ -256,11 +274,12 @@ fn straighten_thin(piece: &Piece<'_>, is_held: &[bool], shifts: &mut [Vector2<f6
 /// any.
 fn halve_where_folded(piece: &Piece<'_>, shifts: &mut [Vector2<f64>]) -> bool {
     let is_folded = |face: usize| {
-        let before = area(&piece.uvs[face]);
+        let before = area(&piece.uvs(face));
         let after = area(&shifted(piece, shifts, face));
         after * before.signum() < LEAST_AREA * before.abs()
     };
-    let faces = (0..piece.uvs.len()).into_par_iter().with_min_len(AT_ONCE);
+    let faces = (0..piece.mesh.face_count()).into_par_iter();
+    let faces = faces.with_min_len(AT_ONCE);
     let folded: Vec<usize> = faces.filter(|&face| is_folded(face)).collect();
     for &face in &folded {
         for vertex in piece.mesh.faces()[FaceId::from_index(face)] {
@@ -330,7 +349,8 @@ mod tests {
             let region = region(&driver, 3, 5e-4);
             let faces = region.skin.mesh.faces().ids();
             let uvs: Vec<_> = faces.map(|face| region.uvs(&driver, face)).collect();
-            let [before, after] = [&uvs[..], &region.shown().uvs].map(|uvs| misses(&region, uvs));
+            let [before, after] =
+                [&uvs[..], &region.shown(&driver).uvs].map(|uvs| misses(&region, uvs));
             assert!(before > 1e-4, "{before} m");
             assert!(after < 1e-12, "{after} m");
         }
@@ -339,9 +359,10 @@ mod tests {
     /// The square's border stays the border of its texture, and nothing is folded.
     #[test]
     fn islands_stay_whole() {
-        let region = region(&uneven(3e-4), 2, 0.0);
+        let driver = uneven(3e-4);
+        let region = region(&driver, 2, 0.0);
         let area = |[a, b, c]: &[Vector2<f64>; 3]| 0.5 * (b - a).perp(&(c - a));
-        let areas: Vec<f64> = region.shown().uvs.iter().map(area).collect();
+        let areas: Vec<f64> = region.shown(&driver).uvs.iter().map(area).collect();
         assert!(areas.iter().all(|area| *area > 0.0));
         let total: f64 = areas.iter().sum();
         assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
@@ -380,13 +401,14 @@ mod tests {
                 *corners = corners.map(|v| v + own);
             }
         }
-        let region = region(&Driver::new(&mesh).expect("a square in two halves"), 2, 0.0);
-        let total: f64 = (region.shown().uvs.iter())
+        let driver = Driver::new(&mesh).expect("a square in two halves");
+        let region = region(&driver, 2, 0.0);
+        let total: f64 = (region.shown(&driver).uvs.iter())
             .map(|[a, b, c]| 0.5 * (b - a).perp(&(c - a)))
             .inspect(|area| assert!(*area > 0.0))
             .sum();
         assert!((total / (SIDE * SIDE) - 1.0).abs() < 1e-9, "{total}");
-        for uvs in region.shown().uvs.iter() {
+        for uvs in region.shown(&driver).uvs.iter() {
             assert!(uvs.iter().all(|uv| uv.x < 0.5) || uvs.iter().all(|uv| uv.x > 0.5));
         }
     }

@@ -32,7 +32,7 @@ impl SymmetryPlane {
     pub fn new(driver: &Driver) -> Self {
         let plane = Plane::of(driver);
         let places = plane.places(driver);
-        let places = places.map(|places| SurfacePoints::new(driver, &places, Smoothing::Loop));
+        let places = places.map(|places| SurfacePoints::new(driver, places, Smoothing::Loop));
         Self { plane, places }
     }
 

@@ -4,8 +4,7 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use ruga_blend::{BaseSurface, Driver};
 use ruga_mesh::{
-    BornVertex, EdgeId, EdgeSplit, FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh,
-    split_edges,
+    BornVertex, EdgeId, FaceId, FaceOrigin, Id, MaterialPoint, PerFace, TriMesh, split_faces,
 };
 
 use crate::skin::fans::one_fan_per_vertex;
@@ -13,7 +12,7 @@ use crate::skin::fans::one_fan_per_vertex;
 /// Parts of faces that a thread places at least.
 const PARTS_AT_ONCE: usize = 1024;
 
-/// Part of a surface: places on the driver, and texture coordinates per corner.
+/// Part of a surface: places on the driver.
 #[derive(Clone, Debug)]
 pub(crate) struct Piece {
     pub(crate) mesh: TriMesh,
@@ -21,8 +20,6 @@ pub(crate) struct Piece {
     pub(crate) points: Vec<MaterialPoint>,
     /// Place of every face in a face of the driver.
     pub(crate) origins: PerFace<FaceOrigin>,
-    /// Texture coordinates of every face's corners.
-    pub(crate) uvs: Vec<[Vector2<f64>; 3]>,
 }
 
 /// What a split has made.
@@ -42,7 +39,6 @@ impl Piece {
             mesh,
             points: copied.iter().map(|v| base_points[v.index()]).collect(),
             origins: base.origins().clone(),
-            uvs: base.uvs().as_slice().to_vec(),
         }
     }
 
@@ -55,7 +51,6 @@ impl Piece {
             mesh,
             points: vertices.map(|v| self.points[v.index()]).collect(),
             origins: faces.iter().map(|face| self.origins[*face]).collect(),
-            uvs: faces.iter().map(|face| self.uvs[face.index()]).collect(),
         }
     }
 
@@ -65,17 +60,20 @@ impl Piece {
         self.points.iter().map(place).collect()
     }
 
-    /// Splits edges as [`split_edges`] does; `positions` (m) gets those of the new vertices.
+    /// Splits edges as [`ruga_mesh::split_edges`] does; `positions` (m) gets those of the new vertices.
     pub(crate) fn split(
         &mut self,
         places: &[Option<f64>],
         positions: &mut Vec<Vector3<f64>>,
     ) -> Split {
-        let EdgeSplit {
-            mesh,
-            born,
-            origins: parts,
-        } = split_edges(&self.mesh, places, positions);
+        let placed = |part: &FaceOrigin| {
+            let origin = &self.origins[part.face];
+            FaceOrigin {
+                face: origin.face,
+                corners: part.corners.map(|weights| origin.lift(weights)),
+            }
+        };
+        let split = split_faces(&self.mesh, places, positions, placed);
         let point = |vertex: &BornVertex| {
             let edge = self.mesh.edges()[vertex.edge];
             let face = edge.faces[0].expect("an edge has a face to its left");
@@ -86,30 +84,24 @@ impl Piece {
             weights[(corner + 1) % 3] = vertex.fraction;
             self.origins[face].place(weights)
         };
-        let points = born.par_iter().with_min_len(PARTS_AT_ONCE).map(point);
+        let points = split.born.par_iter().with_min_len(PARTS_AT_ONCE).map(point);
         self.points.par_extend(points);
-        let parts = parts.as_slice();
-        let all = || parts.par_iter().with_min_len(PARTS_AT_ONCE);
-        let origins = all().map(|part| {
-            let origin = &self.origins[part.face];
-            FaceOrigin {
-                face: origin.face,
-                corners: part.corners.map(|weights| origin.lift(weights)),
-            }
-        });
-        let uvs = all().map(|part| {
-            let own = &self.uvs[part.face.index()];
-            part.corners.map(|weights| blend(own, weights))
-        });
-        let (origins, uvs): (Vec<_>, Vec<_>) = (origins.collect(), uvs.collect());
-        self.mesh = mesh;
-        self.origins = origins.into();
-        self.uvs = uvs;
+        self.origins = split.origins.into();
+        // The old mesh goes before the new one is made: an output mesh has millions of faces.
+        self.mesh = TriMesh::new(0, Vec::new()).expect("a mesh without faces");
+        let mesh = TriMesh::new(positions.len(), split.faces);
+        self.mesh = mesh.expect("neighbours are cut at the same vertices");
         Split {
-            born,
-            parents: parts.iter().map(|part| part.face).collect(),
+            born: split.born,
+            parents: split.parents,
         }
     }
+}
+
+/// Texture coordinates of a face's corners, which has this `origin`.
+pub(crate) fn uvs_of(driver: &Driver, origin: &FaceOrigin) -> [Vector2<f64>; 3] {
+    let uvs = &driver.uvs()[origin.face];
+    origin.corners.map(|weights| blend(uvs, weights))
 }
 
 /// The mean of three texture coordinates with weights that sum to one.

@@ -1,12 +1,12 @@
 //! The mesh that a layer is computed on, and its output mesh.
 
-use std::sync::Arc;
+use std::sync::OnceLock;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{Driver, PosedSurface, Smoothing, SurfacePoints};
 use ruga_crease::{CreaseEdge, CreaseWarning, LinePlaces, TracedLine};
 use ruga_material::PropertyMap;
-use ruga_mesh::{FaceId, Id, MaterialPoint, PerEdge, PerFace, SurfaceLookup, TriMesh, VertexId};
+use ruga_mesh::{FaceId, MaterialPoint, PerEdge, PerFace, SurfaceLookup, TriMesh, VertexId};
 use ruga_remesh::{
     PolyhedralSurface, RemeshError, RemeshSettings, SizeLimits, Sizing, SurfaceMesh, remesh,
 };
@@ -14,19 +14,18 @@ use ruga_remesh::{
 use crate::error::Halt;
 use crate::skin::boundary_cut::{Cut, TooManyCrossings, check_crossings, cut_along, faces_beside};
 use crate::skin::crease_cut::{Creased, cut_along_creases};
-use crate::skin::facet_address::{FacetAddresses, Piece as Facets};
 use crate::skin::fans::open_along;
 use crate::skin::identity::Identity;
 use crate::skin::mirror::Plane;
-use crate::skin::piece::{Piece, blend};
-use crate::{ArtistPlace, LayerSpec, StepperError};
+use crate::skin::piece::{Piece, blend, uvs_of};
+use crate::{LayerSpec, StepperError};
 
 mod output;
 mod shown;
 mod sizing;
 
 pub(crate) use output::OUTPUT_SLACK;
-pub(crate) use shown::ShownMesh;
+pub(crate) use shown::ShownFaces;
 pub(crate) use sizing::SizingStrains;
 
 use sizing::RemeshInput;
@@ -58,30 +57,25 @@ impl SkinMesh {
     /// The mesh at rest `offset` (m) above the driver; `None` as soon as `goes_on` returns false.
     fn new(
         driver: &Driver,
-        (mesh, points): (TriMesh, &[MaterialPoint]),
+        (mesh, points): (TriMesh, Vec<MaterialPoint>),
         smoothing: Smoothing,
         offset: f64,
         goes_on: &mut dyn FnMut() -> bool,
     ) -> Option<Self> {
         let points = SurfacePoints::new_while(driver, points, smoothing, goes_on)?;
-        let on_driver = Self {
-            rest: points.pose(driver.rest()),
+        let mut rest = points.pose(driver.rest());
+        for (x, normal) in rest.positions.iter_mut().zip(&rest.normals) {
+            *x += normal * offset;
+        }
+        Some(Self {
+            rest,
             mesh,
             points,
             beside: Vec::new(),
             creases: Vec::new(),
             on_plane: Vec::new(),
             identity: Identity::default(),
-        };
-        Some(on_driver.lifted(offset))
-    }
-
-    /// The mesh with rest positions raised by a distance, m.
-    fn lifted(mut self, offset: f64) -> Self {
-        for (x, normal) in self.rest.positions.iter_mut().zip(&self.rest.normals) {
-            *x += normal * offset;
-        }
-        self
+        })
     }
 
     /// Whether some vertex is not held by the driver.
@@ -111,21 +105,17 @@ pub(crate) struct Adapted {
 pub(crate) struct RegionMesh {
     pub(crate) skin: SkinMesh,
     origins: PerFace<ruga_mesh::FaceOrigin>,
-    /// Texture coordinates at which results are shown.
-    shown_uvs: Arc<[[Vector2<f64>; 3]]>,
-    /// The file's triangle under every triangle, and its corners' places there.
-    artist: Arc<[ArtistPlace]>,
-    /// The corners of every triangle as results number them.
-    shown_faces: Arc<[[u32; 3]]>,
+    /// Triangles as results have them, once they were asked for.
+    shown: OnceLock<ShownFaces>,
     /// Edges that a fitted mesh keeps: boundaries of the layer's map, and creases.
     features: PerEdge<bool>,
     /// The layer's creases over this mesh.
     lines: Vec<TracedLine>,
     /// Stretches of creases that fold as another one says.
     pub(crate) shared: Vec<CreaseWarning>,
-    /// For every vertex of results, which have one on each side of a crease, the vertex of this mesh; `None`
-    /// without creases.
-    opened: Option<Vec<VertexId>>,
+    /// The corners of every triangle of results, whose vertices on creases are there once for each side, and for every
+    /// vertex of results that of this mesh; `None` without creases.
+    opened: Option<(Vec<[u32; 3]>, Vec<VertexId>)>,
     smoothing: Smoothing,
     offset: f64,
     /// Whether it is one half of a symmetric pose.
@@ -186,7 +176,6 @@ impl RegionMesh {
             mesh,
             points,
             origins,
-            uvs,
         } = piece;
         let beside = faces_beside(&mesh, &boundaries).into_iter();
         let mut features = boundaries;
@@ -194,33 +183,12 @@ impl RegionMesh {
             features[crease.edge] = true;
         }
         let beside = beside
-            .map(|(face, weights)| (face, blend(&uvs[face.index()], weights)))
+            .map(|(face, weights)| (face, blend(&uvs_of(driver, &origins[face]), weights)))
             .collect();
         let opened = (!creases.is_empty())
             .then(|| open_along(&mesh, creases.iter().map(|crease| crease.edge)));
-        let (faces, opened) = opened.unzip();
-        let skin = SkinMesh::new(driver, (mesh, &points), smoothing, 0.0, goes_on);
+        let skin = SkinMesh::new(driver, (mesh, points), smoothing, offset, goes_on);
         let skin = skin.ok_or(Halt::Interrupted)?;
-        // This is before the mesh is lifted: addresses are places of the driver, not of the layer
-        // above it.
-        let addresses = FacetAddresses::new(
-            driver,
-            &Facets {
-                mesh: &skin.mesh,
-                points: &points,
-                positions: &skin.rest.positions,
-                normals: &skin.rest.normals,
-                origins: &origins,
-                uvs: &uvs,
-            },
-        );
-        let triangles = origins.as_slice().iter();
-        let triangles = triangles.map(|origin| driver.triangles()[origin.face]);
-        let artist = triangles.zip(addresses.corners).collect();
-        let shown_faces = match faces {
-            Some(faces) => faces.into(),
-            None => skin.corner_indices().into(),
-        };
         Ok(Self {
             features,
             lines,
@@ -229,11 +197,9 @@ impl RegionMesh {
             skin: SkinMesh {
                 beside,
                 creases,
-                ..skin.lifted(offset)
+                ..skin
             },
-            shown_uvs: addresses.uvs.into(),
-            artist,
-            shown_faces,
+            shown: OnceLock::new(),
             origins,
             smoothing,
             offset,
@@ -251,10 +217,7 @@ impl RegionMesh {
 
     /// Texture coordinates of the material points of a triangle's corners, V down.
     pub(crate) fn uvs(&self, driver: &Driver, face: FaceId) -> [Vector2<f64>; 3] {
-        let origin = &self.origins[face];
-        origin
-            .corners
-            .map(|weights| blend(&driver.uvs()[origin.face], weights))
+        uvs_of(driver, &self.origins[face])
     }
 
     /// A mesh of the region that is as fine as `strains` and the rest shape ask for, in the
@@ -316,10 +279,10 @@ impl RegionMesh {
         let points: Vec<MaterialPoint> = made.points.as_slice().iter().map(on_driver).collect();
         let creases = self.creases_of(made);
         let beside = self.beside(driver, made, &creases);
-        let places = (made.mesh.clone(), points.as_slice());
+        let places = (made.mesh.clone(), points);
         let skin = SkinMesh::new(driver, places, self.smoothing, self.offset, goes_on)?;
         let on_plane = match self.is_half {
-            true => Plane::of(driver).holds(driver, &skin.mesh, &points),
+            true => Plane::of(driver).holds(driver, &skin.mesh, skin.points.points()),
             false => Vec::new(),
         };
         Some(SkinMesh {

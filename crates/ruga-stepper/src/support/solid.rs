@@ -253,7 +253,8 @@ impl Solid {
 
     /// The body's surface under the layer's vertices; where it has collapsed with the frame of `before`.
     pub(crate) fn surface(&self, before: &PosedSurface) -> PosedSurface {
-        posed(&self.embedding, &self.state.q, before)
+        let all = 0..self.embedding.point_count();
+        posed((&self.embedding, all), &self.state.q, before)
     }
 
     /// Puts handles, obstacles and targets where they are at `time`; the inside moves with the handles.

@@ -1,23 +1,13 @@
 //! The surface that a layer lies on: the layer below where there is one, driver or body elsewhere.
 
-use std::cell::OnceCell;
-
 use nalgebra::{Matrix2, SymmetricEigen, Vector3};
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
-use ruga_mesh::{PerFace, vertex_normals};
+use ruga_mesh::PerFace;
 
-use crate::skin::cover::{Cover, Covers};
+use crate::skin::cover::Covers;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::support::Support;
-
-/// Width of the rim over which the normals of the layer below turn into the driver's, in the
-/// distance between the two layers. That layer ends in a hinge; above a kink of 36 degrees, which a
-/// real forehead has, skin would be stretched to twice its length or turned inside out.
-const RIM: f64 = 4.0;
-
-/// Cosine of half of a fold from which on the layer above does not rise with it any more: its edge would be as high
-/// as a needle.
-const LEAST_COSINE: f64 = 0.5;
+use crate::support::surface_below::{SurfaceBelow, lifted};
 
 /// Squared stretches by which the bending of the layer below may change a rest metric: where that
 /// layer bends within twice its offset, the offset surface is about to turn inside out.
@@ -88,118 +78,6 @@ pub(crate) struct TangentialSprings {
     pub(crate) gradient: f64,
 }
 
-/// A mesh on what carries all layers.
-pub(crate) struct OnSupport<'a> {
-    driver: &'a Driver,
-    support: &'a dyn Support,
-    skin: &'a SkinMesh,
-    /// What carries all layers, at the vertices.
-    posed: PosedSurface,
-    /// How that changes with the barycentric coordinates, once it was asked for.
-    derivatives: OnceCell<Vec<[Vector3<f64>; 2]>>,
-}
-
-impl<'a> OnSupport<'a> {
-    pub(crate) fn new(
-        (driver, support): (&'a Driver, &'a dyn Support),
-        skin: &'a SkinMesh,
-    ) -> Self {
-        Self {
-            driver,
-            support,
-            skin,
-            posed: support.pose(skin),
-            derivatives: OnceCell::new(),
-        }
-    }
-
-    /// What carries all layers, at the vertices.
-    pub(crate) fn into_posed(self) -> PosedSurface {
-        self.posed
-    }
-
-    /// The surface of [`support_surface`] alone, where it is shown and no rest metric is asked for.
-    pub(crate) fn below(&self, attachment: Attachment, lower: &[LowerLayer<'_>]) -> PosedSurface {
-        let (middle, distance) = self.surface_and_distance(attachment, lower);
-        PosedSurface {
-            positions: lifted(&middle, &distance, 1.0),
-            ..middle
-        }
-    }
-
-    /// The surface that a layer lies on, and how far above it every vertex is (m).
-    fn surface_and_distance(
-        &self,
-        attachment: Attachment,
-        lower: &[LowerLayer<'_>],
-    ) -> (PosedSurface, Vec<f64>) {
-        let mut middle = self.posed.clone();
-        let mut distance = vec![attachment.offset; middle.positions.len()];
-        // What an upper one of them covers is its surface; where it is not, that of the next lower one.
-        for lower in lower {
-            let rim = RIM * (attachment.offset - lower.offset);
-            let cover = lower.covers.of(self.driver, self.skin, lower.skin, rim);
-            let rises = self.lay_on(&cover, lower, &mut middle);
-            for (&vertex, rise) in cover.vertices().iter().zip(rises) {
-                distance[vertex as usize] = rise * (attachment.offset - lower.offset);
-            }
-        }
-        (middle, distance)
-    }
-
-    /// Puts a layer below in the place of what lies below it, wherever that layer is; returns how far along its normals
-    /// a unit of height above it is, for every covered vertex. Over a rim its normals turn into those of what is there
-    /// without it.
-    ///
-    /// Beside a fold they turn into the one between its two sides, which would cross each other above it: the layer
-    /// above then has a fold of its own, as high above both sides as elsewhere.
-    ///
-    /// Deviations, not positions, are interpolated: they vanish at the layer's ragged border, where a
-    /// smooth surface through positions would cut the corners.
-    fn lay_on(&self, cover: &Cover, lower: &LowerLayer<'_>, middle: &mut PosedSurface) -> Vec<f64> {
-        // The base is without any offset, so that a deviation includes the lower layer's.
-        let base = self.support.pose(lower.skin).positions;
-        let deviations = lower.positions.iter().zip(&base);
-        let deviations: Vec<Vector3<f64>> = deviations.map(|(x, base)| x - base).collect();
-        let derivatives = || self.support.derivatives(self.skin);
-        let derivatives = self.derivatives.get_or_init(derivatives);
-        let between = match cover.has_folds() {
-            true => vertex_normals(&lower.skin.mesh, lower.positions),
-            false => Vec::new(),
-        };
-        let mut rises = vec![1.0; cover.vertices().len()];
-        cover.interpolate(&deviations, |k, change| {
-            let (i, fraction) = (cover.vertices()[k] as usize, cover.weights()[k]);
-            let [along_u, along_v] = cover.along(k, change);
-            // It is added to the driver's or body's own place, because the deviation of a layer counts
-            // from there and not from another layer that is covered too.
-            middle.positions[i] = self.posed.positions[i] + change.position;
-            let first = derivatives[i][0] + along_u;
-            let second = derivatives[i][1] + along_v;
-            let normal = first.cross(&second).try_normalize(0.0);
-            let normal = normal.map(|normal| match cover.fold(k) {
-                None => normal,
-                Some(fold) => {
-                    let [a, b] = fold.ends.map(|v| between[v]);
-                    let turned = a.lerp(&b, fold.fraction).lerp(&normal, fold.beside);
-                    let turned = turned.try_normalize(0.0).unwrap_or(normal);
-                    rises[k] = 1.0 + fraction * (1.0 / turned.dot(&normal).max(LEAST_COSINE) - 1.0);
-                    turned
-                }
-            });
-            let normal = normal.map(|normal| middle.normals[i].lerp(&normal, fraction));
-            if let Some(normal) = normal.and_then(|normal| normal.try_normalize(0.0)) {
-                // The normal has been turned in the rim, so that the first tangent is no longer at
-                // right angles to it.
-                let tangent = first - normal * normal.dot(&first);
-                middle.tangents[i] = tangent.try_normalize(0.0).unwrap_or(middle.tangents[i]);
-                middle.normals[i] = normal;
-            }
-        });
-        rises
-    }
-}
-
 /// The surface below the vertices of `skin`, whose rest positions include the attachment's offset: what carries
 /// all layers, and on it the `lower` ones, bottom first.
 pub(crate) fn support_surface(
@@ -208,7 +86,7 @@ pub(crate) fn support_surface(
     attachment: Attachment,
     lower: &[LowerLayer<'_>],
 ) -> SupportSurface {
-    let (middle, distance) = OnSupport::new(on, skin).surface_and_distance(attachment, lower);
+    let (middle, distance) = SurfaceBelow::new(on, skin, attachment, lower).whole();
     let positions = lifted(&middle, &distance, 1.0);
     let transfer = (attachment.offset > 0.0 && attachment.bending_transfer < 1.0).then(|| {
         // Where the layer rests, between the surface below and its own place.
@@ -233,12 +111,6 @@ pub(crate) fn support_surface(
         transfer,
         growth: None,
     }
-}
-
-/// Places at a `fraction` of their distance (m) above a surface.
-fn lifted(surface: &PosedSurface, distance: &[f64], fraction: f64) -> Vec<Vector3<f64>> {
-    let places = surface.positions.iter().zip(&surface.normals).zip(distance);
-    places.map(|((x, n), d)| x + n * (fraction * d)).collect()
 }
 
 /// `A = P^-1/2 W P^-1/2` per face, as stretch `A^1/2`, of the whole metric `W` and the part `P`

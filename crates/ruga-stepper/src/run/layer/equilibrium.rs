@@ -1,5 +1,7 @@
 //! The equilibrium of a layer, and of a body that moves with it, and steps in time.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use ruga_solver::{Iteration, Kkt, Minimise, NewtonSettings, SolveReport, SolverError};
 
@@ -7,6 +9,7 @@ use super::{Layer, laid_on};
 use crate::run::layer_objective::{LayerObjective, gather, scatter};
 use crate::run::patches::{Patches, Scales, Whole, Width};
 use crate::support::motion::{Inertia, velocities};
+use crate::support::support_surface::SupportSurface;
 use crate::{Dynamics, StepperError};
 
 /// Lag, in rad or as a change of rest lengths, from which on the energy is set up anew before a solve.
@@ -22,10 +25,15 @@ pub(crate) struct TimeStep {
 impl Layer {
     /// A step in time from where everything is now.
     pub(crate) fn time_step(&self, dynamics: Dynamics) -> TimeStep {
+        let at_rest;
         let (start, velocities) = match &self.solid {
             // The layer has no inertia of its own: it is in equilibrium at every moment, and its mass
             // goes with the body below (RK 6.2).
             Some(solid) => (&solid.state.q, &solid.state.velocities),
+            None if self.velocities.is_empty() => {
+                at_rest = vec![Vector3::zeros(); self.positions.len()];
+                (&self.positions, &at_rest)
+            }
             None => (&self.positions, &self.velocities),
         };
         TimeStep {
@@ -175,7 +183,18 @@ impl Layer {
         // Layer and body have moved together. The energy keeps the normals and rest lengths that it
         // was set up with, so that it has one minimum during a solve. How far they are behind then
         // is the lag.
-        self.support.posed = solid.surface(&self.support.posed);
+        let posed = solid.surface(&self.support.posed);
+        match Arc::get_mut(&mut self.support) {
+            Some(support) => support.posed = posed,
+            // A state to return to has the one before.
+            None => {
+                self.support = Arc::new(SupportSurface {
+                    posed,
+                    transfer: self.support.transfer.clone(),
+                    growth: self.support.growth.clone(),
+                });
+            }
+        }
         self.base = laid_on(&self.support.posed, self.upper.as_ref());
         self.measure_strains();
     }

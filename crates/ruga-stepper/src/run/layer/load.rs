@@ -1,5 +1,7 @@
 //! What a layer feels of the surface below it, and where that surface is.
 
+use std::sync::Arc;
+
 use nalgebra::{Matrix2, Vector3};
 use ruga_blend::{FaceStrain, Weights};
 use ruga_material::CAP_START;
@@ -27,7 +29,7 @@ const LEAST_STRETCH: f64 = 0.05;
 pub(crate) struct LayerState {
     positions: Vec<Vector3<f64>>,
     velocities: Vec<Vector3<f64>>,
-    support: SupportSurface,
+    support: Arc<SupportSurface>,
     fractions: PerFace<f64>,
     crease_strengths: CreaseStrengths,
     pulls: ToldPulls,
@@ -43,16 +45,16 @@ impl Layer {
     /// end up too long by the compression.
     pub(crate) fn set_support(
         &mut self,
-        support: SupportSurface,
+        support: impl Into<Arc<SupportSurface>>,
         fraction: f64,
     ) -> Result<(), StepperError> {
         let fractions = PerFace::filled(self.skin.mesh.face_count(), fraction);
-        self.stand_on(support, fractions)
+        self.stand_on(support.into(), fractions)
     }
 
     fn stand_on(
         &mut self,
-        support: SupportSurface,
+        support: Arc<SupportSurface>,
         fractions: PerFace<f64>,
     ) -> Result<(), StepperError> {
         let (old, new) = (&self.support.posed, &support.posed);
@@ -251,7 +253,7 @@ impl Layer {
 
     /// Lets a layer on a body have grown by these stretches, from when the body is placed next.
     pub(crate) fn grow(&mut self, growth: Option<PerFace<Matrix2<f64>>>) {
-        self.support.growth = growth;
+        Arc::make_mut(&mut self.support).growth = growth;
     }
 
     /// Puts everything around the body below where it is at `time`; the inside moves with the handles,
@@ -282,7 +284,7 @@ impl Layer {
         let surface = SupportSurface {
             posed,
             transfer: None,
-            growth: self.support.growth.take(),
+            growth: self.support.growth.clone(),
         };
         self.set_support(surface, 1.0)
     }
@@ -343,7 +345,7 @@ impl Layer {
         LayerState {
             positions: self.positions.clone(),
             velocities: self.velocities.clone(),
-            support: self.support.clone(),
+            support: Arc::clone(&self.support),
             fractions: self.fractions.clone(),
             crease_strengths: self.crease_strengths.clone(),
             pulls: self.pulls.clone(),
@@ -357,7 +359,7 @@ impl Layer {
             solid.state.clone_from(state);
         }
         // It carries the positions along with the surface, so that they are put back after it.
-        self.stand_on(state.support.clone(), state.fractions.clone())?;
+        self.stand_on(Arc::clone(&state.support), state.fractions.clone())?;
         self.positions.clone_from(&state.positions);
         self.velocities.clone_from(&state.velocities);
         self.pulls.clone_from(&state.pulls);

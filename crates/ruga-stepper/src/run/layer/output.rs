@@ -15,7 +15,7 @@ use crate::preparing::Preparing;
 use crate::skin::interpolation::Interpolation;
 use crate::skin::piece::Piece;
 use crate::skin::relief::ReliefWeights;
-use crate::skin::skin_mesh::{RegionMesh, ShownMesh, SkinMesh};
+use crate::skin::skin_mesh::{RegionMesh, ShownFaces, SkinMesh};
 use crate::{LayerSpec, StepperError};
 
 /// The output mesh of a layer's region: made, or known well enough to make it. It takes more memory than the layer, and
@@ -53,7 +53,7 @@ pub(crate) struct Shown {
 
 /// The output mesh of a layer, and what is known of the layer at its vertices.
 pub(crate) struct OnOutput<'o> {
-    pub(crate) mesh: ShownMesh<'o>,
+    pub(crate) mesh: Cow<'o, RegionMesh>,
     /// Weights of the relief.
     pub(super) weights: Cow<'o, ReliefWeights>,
     pub(super) shape: Shape,
@@ -79,6 +79,22 @@ impl Output {
             region,
             unmade: None,
         })))
+    }
+}
+
+impl OnOutput<'_> {
+    /// Triangles as results have them. A mesh that nothing else will be shown on is given up on the way.
+    pub(super) fn into_faces(self, driver: &Driver) -> ShownFaces {
+        let Self {
+            mesh,
+            weights,
+            shape,
+        } = self;
+        drop((weights, shape));
+        match mesh {
+            Cow::Borrowed(mesh) => mesh.shown(driver).clone(),
+            Cow::Owned(mesh) => mesh.into_shown(driver),
+        }
     }
 }
 
@@ -110,18 +126,26 @@ impl Shown {
     fn of(&self, view: &LayerView<'_>) -> OnOutput<'_> {
         OnOutput {
             shape: view.shape.on_output(self.interpolation.as_ref()),
-            mesh: self.region.shown(),
+            mesh: Cow::Borrowed(&self.region),
             weights: Cow::Borrowed(&self.weights),
         }
     }
 
-    /// The output mesh with what the `view` shows of the layer at its vertices, without what only further results and
-    /// meshes would need.
+    /// The output mesh with what the `view` shows of the layer at its vertices, where nothing else will be shown on it.
     pub(crate) fn last_of(self, view: &LayerView<'_>) -> OnOutput<'static> {
+        let Self {
+            mut region,
+            weights,
+            interpolation,
+            ..
+        } = self;
+        let shape = view.shape.on_output(interpolation.as_ref());
+        // Only a layer that is solved on a mesh turns with these.
+        region.skin.rest.tangents = Vec::new();
         OnOutput {
-            shape: view.shape.on_output(self.interpolation.as_ref()),
-            mesh: self.region.into_shown(),
-            weights: Cow::Owned(self.weights),
+            shape,
+            mesh: Cow::Owned(region),
+            weights: Cow::Owned(weights),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A layer as others see it.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -15,8 +16,9 @@ use crate::preparing::Preparing;
 use crate::skin::interpolation::{Interpolation, Values};
 use crate::skin::quiet::{VertexDemand, wrinkled_shares};
 use crate::skin::relief::{ReliefWeights, shown_positions};
-use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
+use crate::skin::skin_mesh::{RegionMesh, ShownFaces, SkinMesh};
 use crate::skin::upper_shell::UpperShell;
+use crate::support::surface_below::{SurfaceBelow, in_parts};
 use crate::{ComputedMesh, LayerSpec, LayerSurface};
 
 /// Distance (wavelengths) from the plane where one half of a symmetric pose ends within which the other half counts in
@@ -48,6 +50,19 @@ pub(crate) struct Shape {
     upper_deviations: Vec<Vector3<f64>>,
     /// What the support surface asks for.
     demands: Vec<VertexDemand>,
+}
+
+/// Values at the vertices of an output mesh, m.
+#[derive(Default)]
+pub(crate) struct OutputValues {
+    positions: Vec<Vector3<f64>>,
+    /// Positions as maps show them.
+    relief: Vec<Vector3<f64>>,
+    /// Both of a layer that moves together with this one.
+    upper: Option<[Vec<Vector3<f64>>; 2]>,
+    driver_positions: Vec<Vector3<f64>>,
+    /// Unit vectors.
+    driver_normals: Vec<Vector3<f64>>,
 }
 
 impl Shape {
@@ -110,7 +125,7 @@ impl Layer {
             skin: Cow::Owned(self.skin),
             weights: Cow::Owned(self.weights),
             upper: self.upper.map(Cow::Owned),
-            posed: Cow::Owned(self.support.posed),
+            posed: Cow::Owned(Arc::unwrap_or_clone(self.support).posed),
             positions: Cow::Owned(self.positions),
         };
         (view, self.output)
@@ -172,73 +187,109 @@ impl LayerView<'_> {
         Shown::new(driver, layer, made, false, preparing)
     }
 
-    /// The layer as results have it on its output mesh, and one that moves together with it: over `real`, which is what
-    /// lies below that mesh, or as maps show that, over `shown`. All layers are on `support`.
-    pub(crate) fn snapshots(
+    /// The layer as results have it on its output mesh, and one that moves together with it, over what is below that
+    /// mesh: `real`, or as maps show it, if that is something else.
+    pub(crate) fn values(
         &self,
         on_output: &OnOutput<'_>,
-        (driver, support): (&Driver, PosedSurface),
-        (real, shown): (&PosedSurface, &PosedSurface),
+        (real, shown): (&SurfaceBelow<'_>, Option<&SurfaceBelow<'_>>),
+    ) -> OutputValues {
+        let weights = on_output.weights(&real.normals());
+        let shape = &on_output.shape;
+        let of_part = |vertices: Range<usize>| {
+            let (support, real) = real.at(vertices.clone()).lifted_over_support();
+            let shown = shown.map(|shown| shown.at(vertices.clone()).lifted_over_support().1);
+            let shown = shown.as_ref().unwrap_or(&real);
+            // The support surface is known on the output mesh itself. Only the deviation from it is
+            // carried over from the layer's coarser mesh, so that smooth parts of the region stay
+            // exact.
+            let positions = sums(&real.positions, &shape.deviations[vertices.clone()]);
+            let relief = shown_positions(&positions, &real, shown, &weights[vertices]);
+            (positions, relief, support)
+        };
+        let mut values = OutputValues::default();
+        in_parts(
+            shape.deviations.len(),
+            of_part,
+            |(positions, relief, support)| {
+                values.positions.extend(positions);
+                values.relief.extend(relief);
+                values.driver_positions.extend(support.positions);
+                values.driver_normals.extend(support.normals);
+            },
+        );
+        values.upper = self.upper.as_deref().map(|upper| {
+            // A layer that moves together with another one lies on it alone.
+            let PosedSurface {
+                positions,
+                normals,
+                tangents,
+            } = real.lifted();
+            let above = PosedSurface {
+                positions: upper.above(&positions, &normals).collect(),
+                normals,
+                tangents,
+            };
+            let positions = sums(&above.positions, &shape.upper_deviations);
+            let relief = shown_positions(&positions, &above, &above, &weights);
+            [positions, relief]
+        });
+        values
+    }
+
+    /// The layer as results have it on its output mesh, with these `values` at the vertices, and one that moves
+    /// together with it.
+    pub(crate) fn surfaces(
+        &self,
+        driver: &Driver,
+        (on_output, values): (OnOutput<'_>, OutputValues),
         offset: f64,
     ) -> Vec<LayerSurface> {
-        let computed = ComputedMesh::new(driver, &self.skin, self.own_positions());
         let mesh = &on_output.mesh;
-        // The support surface is known on the output mesh itself. Only the deviation from it is
-        // carried over from the layer's coarser mesh, so that smooth parts of the region stay
-        // exact.
-        let positions = sums(&real.positions, &on_output.shape.deviations);
-        let relief = shown_positions(&positions, real, shown, &on_output.weights(real));
+        let [positions, relief] = [values.positions, values.relief];
         let own = LayerSurface {
             name: self.spec.name.clone(),
             relief: mesh.on_both_sides(relief),
             positions: mesh.on_both_sides(positions),
-            driver_positions: mesh.on_both_sides(support.positions),
-            driver_normals: mesh.on_both_sides(support.normals),
+            driver_positions: mesh.on_both_sides(values.driver_positions),
+            driver_normals: mesh.on_both_sides(values.driver_normals),
             offset,
-            faces: Arc::clone(&mesh.faces),
-            uvs: Arc::clone(&mesh.uvs),
-            artist: Arc::clone(&mesh.artist),
             on_plane: mesh.skin.on_plane.as_slice().into(),
-            computed,
-            face_states: None,
-            burnt: None,
+            computed: ComputedMesh::new(driver, &self.skin, self.own_positions()),
+            ..LayerSurface::default()
         };
-        let upper = self.upper.as_deref();
-        let upper = upper.map(|upper| self.upper_snapshot(driver, upper, (&own, real), on_output));
-        std::iter::once(own).chain(upper).collect()
-    }
-
-    /// The layer `upper` that moves together with this one, of which `own` is the snapshot.
-    fn upper_snapshot(
-        &self,
-        driver: &Driver,
-        upper: &UpperShell,
-        (own, region_below): (&LayerSurface, &PosedSurface),
-        on_output: &OnOutput<'_>,
-    ) -> LayerSurface {
-        let above = upper.above(&region_below.positions, &region_below.normals);
-        let above = PosedSurface {
-            positions: above.collect(),
-            ..region_below.clone()
+        let upper = values
+            .upper
+            .map(|upper| upper.map(|values| mesh.on_both_sides(values)));
+        let ShownFaces { faces, uvs, artist } = on_output.into_faces(driver);
+        let own = LayerSurface {
+            faces,
+            uvs,
+            artist,
+            ..own
         };
-        let positions = sums(&above.positions, &on_output.shape.upper_deviations);
-        let relief = shown_positions(&positions, &above, &above, &on_output.weights(&above));
-        let mesh = &on_output.mesh;
-        let (_, upper_positions) = self.positions.split_at(self.skin.mesh.vertex_count());
-        LayerSurface {
-            name: upper.name.clone(),
-            relief: mesh.on_both_sides(relief),
-            positions: mesh.on_both_sides(positions),
-            offset: own.offset + upper.offset,
-            computed: ComputedMesh::new(driver, &self.skin, upper_positions),
-            ..own.clone()
+        let upper = upper.zip(self.upper.as_deref());
+        let upper = upper.map(|([positions, relief], upper)| {
+            let (_, upper_positions) = self.positions.split_at(self.skin.mesh.vertex_count());
+            LayerSurface {
+                name: upper.name.clone(),
+                relief,
+                positions,
+                offset: offset + upper.offset,
+                computed: ComputedMesh::new(driver, &self.skin, upper_positions),
+                ..own.clone()
+            }
+        });
+        match upper {
+            None => vec![own],
+            Some(upper) => vec![own, upper],
         }
     }
 
     /// Positions of the layer's own vertices as maps show them, over the support surface as maps
     /// show that.
     pub(crate) fn shown_positions(&self, shown: &PosedSurface) -> Vec<Vector3<f64>> {
-        let asked = (self.shape.demands.as_slice(), &*self.posed);
+        let asked = (self.shape.demands.as_slice(), self.posed.normals.as_slice());
         let weights = shown_weights(&self.weights, &self.skin, asked);
         shown_positions(self.own_positions(), &self.posed, shown, &weights)
     }
@@ -249,9 +300,9 @@ impl LayerView<'_> {
 }
 
 impl OnOutput<'_> {
-    /// Weights of the relief over `surface`, with the present strain.
-    fn weights(&self, surface: &PosedSurface) -> Vec<f64> {
-        let asked = (self.shape.demands.as_slice(), surface);
+    /// Weights of the relief over a surface with these `normals`, with the present strain.
+    fn weights(&self, normals: &[Vector3<f64>]) -> Vec<f64> {
+        let asked = (self.shape.demands.as_slice(), normals);
         shown_weights(&self.weights, &self.mesh.skin, asked)
     }
 }
@@ -262,21 +313,21 @@ fn sums(places: &[Vector3<f64>], deviations: &[Vector3<f64>]) -> Vec<Vector3<f64
     pairs.map(|(place, deviation)| place + deviation).collect()
 }
 
-/// Weights of the relief at the vertices of a mesh, with what the surface below asks for there.
+/// Weights of the relief at the vertices of a mesh, with what the surface below, with these normals, asks for there.
 fn shown_weights(
     own: &ReliefWeights,
     skin: &SkinMesh,
-    (demands, surface): (&[VertexDemand], &PosedSurface),
+    (demands, normals): (&[VertexDemand], &[Vector3<f64>]),
 ) -> Vec<f64> {
     let longest = demands.iter().map(|d| d.wavelength).fold(0.0, f64::max);
     let shares = match skin.mirrored_within(BESIDE_PLANE * longest) {
         None => {
-            let places = (skin.rest.positions.as_slice(), surface.normals.as_slice());
+            let places = (skin.rest.positions.as_slice(), normals);
             wrinkled_shares(&skin.mesh, places, demands, &own.is_cut)
         }
         Some(whole) => {
             let images = &whole.images;
-            let normals = images.vectors(&surface.normals);
+            let normals = images.vectors(normals);
             let places = (whole.positions.as_slice(), normals.as_slice());
             let (demands, is_cut) = (images.values(demands), images.values(&own.is_cut));
             let mut shares = wrinkled_shares(&whole.mesh, places, &demands, &is_cut);

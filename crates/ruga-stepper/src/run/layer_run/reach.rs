@@ -153,6 +153,7 @@ impl<'a> LayerRun<'a> {
             let limits: PerFace<f64> = felt.iter().map(|(_, felt)| limit(*felt)).collect();
             let wanted = ratios.all();
             let largest = ratios.largest();
+            let most_felt = felt.as_slice().iter().copied().fold(0.0, f64::max);
             let is_last = wanted
                 .iter()
                 .all(|(face, wanted)| *wanted <= EXCESS * limits[face]);
@@ -171,6 +172,8 @@ impl<'a> LayerRun<'a> {
                 true => AtSaddle::Leave,
                 false => AtSaddle::Pass,
             };
+            // A solve takes all the memory there is.
+            drop((felt, limits, wanted));
             let how = (at_saddle, accuracy);
             let loaded = self.layer.strain_ratio();
             let share = match is_last {
@@ -187,8 +190,8 @@ impl<'a> LayerRun<'a> {
             }
             if !solve.converged {
                 let what = format!(
-                    "no equilibrium found beyond {:.1} times the strain at which the layer wrinkles, of {largest:.1} times that are asked for,",
-                    felt.as_slice().iter().copied().fold(0.0, f64::max)
+                    "no equilibrium found beyond {most_felt:.1} times the strain at which the layer wrinkles, of \
+                     {largest:.1} times that are asked for,"
                 );
                 self.warn_of_failure(&what, pose_fraction, &solve);
                 self.layer.restore(&kept)?;

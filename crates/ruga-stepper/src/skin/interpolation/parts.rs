@@ -9,6 +9,9 @@ use super::no_corners;
 /// Faces of a part, whose limit surface is prepared at a time: 1 kB each, and 2 kB more where places lie on them.
 pub(super) const FACES_AT_A_TIME: usize = 8192;
 
+/// Places evaluated with one preparation of a part: where a fine mesh lies on a coarse one, a part has a million.
+const PLACES_OF_PART: usize = 1 << 16;
+
 /// Parts evaluated before what was found is put in its place: no more threads than these are used, and no more memory.
 const PARTS_AT_A_TIME: usize = 4;
 
@@ -97,7 +100,7 @@ pub(super) fn for_each_part<R: Send>(
     let mut by_part: Vec<u32> = (0..places.len() as u32).collect();
     by_part.par_sort_unstable_by_key(|&i| (part_of(i), i));
     let parts = by_part.chunk_by(|&i, &j| part_of(i) == part_of(j));
-    let parts: Vec<&[u32]> = parts.collect();
+    let parts: Vec<&[u32]> = parts.flat_map(|own| own.chunks(PLACES_OF_PART)).collect();
     let found = |own: &&[u32]| {
         let part = part_of(own[0]);
         let core = &faces[part * most..faces.len().min((part + 1) * most)];

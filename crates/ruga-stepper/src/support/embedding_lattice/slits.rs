@@ -69,7 +69,7 @@ impl EmbeddingLattice {
         // Lines end at edges of this surface, so that it has to be fine without smoothing, too.
         let surface = surface_of(driver, smoothing, true);
         let cut = cut_along_creases(driver, &creases, Cut::none(Piece::of(&surface)));
-        let points = SurfacePoints::new(driver, &cut.piece.points, smoothing);
+        let points = SurfacePoints::new(driver, cut.piece.points.clone(), smoothing);
         let positions = points.pose(driver.rest()).positions;
         // Of the triangles themselves: those of an artist's flat faces are mixed from their corners.
         let normals = vertex_normals(&cut.piece.mesh, &positions);

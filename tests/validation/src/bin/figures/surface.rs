@@ -125,7 +125,7 @@ impl Material {
     /// The rest surface under each vertex, m.
     pub(super) fn rest(&self, layer: &Surface) -> Result<Vec<Vector3<f64>>, Box<dyn Error>> {
         let points = self.points(layer)?;
-        let points = SurfacePoints::new(&self.driver, &points, self.smoothing);
+        let points = SurfacePoints::new(&self.driver, points, self.smoothing);
         Ok(points.pose(self.driver.rest()).positions)
     }
 

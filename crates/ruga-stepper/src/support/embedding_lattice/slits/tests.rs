@@ -170,7 +170,7 @@ fn a_layer_lies_on_both_sides_of_a_slit() {
         let places: Vec<MaterialPoint> = (0..=20)
             .filter_map(|i| line.place(line.length() * f64::from(i) / 20.0))
             .collect();
-        let rest = SurfacePoints::new(&driver, &places, Smoothing::None).pose(driver.rest());
+        let rest = SurfacePoints::new(&driver, places.clone(), Smoothing::None).pose(driver.rest());
         let embedded = lattice.embed(&places, &rest).expect("places");
         for (now, rest) in embedded.positions(&q).iter().zip(&rest.positions) {
             // Across is the left of a line that runs from the front to the back.
