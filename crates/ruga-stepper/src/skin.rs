@@ -14,6 +14,7 @@ pub(crate) mod local_skin;
 pub(crate) mod material_places;
 pub(crate) mod measure;
 pub(crate) mod mirror;
+pub(crate) mod parts;
 pub(crate) mod piece;
 pub(crate) mod place;
 pub(crate) mod quiet;

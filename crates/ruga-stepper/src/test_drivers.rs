@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::{Vector2, Vector3};
 use ruga_blend::{ArtistMesh, BaseSurface, BlendShape, Driver, Smoothing};
-use ruga_mesh::FaceId;
+use ruga_mesh::{FaceId, Id, VertexId};
 
 use crate::skin::piece::Piece;
 use crate::skin::skin_mesh::{RegionMesh, SkinMesh};
@@ -55,6 +55,18 @@ pub(crate) fn skin(driver: &Driver, levels: u32, offset: f64) -> SkinMesh {
 pub(crate) fn region(driver: &Driver, levels: u32, offset: f64) -> RegionMesh {
     let faces: Vec<_> = driver.topology().faces().ids().collect();
     region_of(driver, &faces, levels, offset)
+}
+
+/// The faces in the middle of a square, half as wide, as the mesh of a layer.
+pub(crate) fn middle(driver: &Driver, levels: u32) -> SkinMesh {
+    let is_inside = |corners: &[VertexId; 3]| {
+        let places = corners.map(|v| driver.rest()[v.index()]);
+        places.iter().all(|x| x.xy().amax() < 0.25 * SIDE + 1e-9)
+    };
+    let faces = driver.topology().faces().iter();
+    let inside = faces.filter(|(_, corners)| is_inside(corners));
+    let inside: Vec<_> = inside.map(|(face, _)| face).collect();
+    region_of(driver, &inside, levels, 0.0).skin
 }
 
 /// Some faces of a driver as the output mesh of a layer.

@@ -19,14 +19,11 @@ use crate::skin::identity::Mark;
 use crate::skin::interpolation::{places_of_limit, through_vertices};
 use crate::skin::material_places::is_on_border;
 use crate::skin::mirror::Images;
+use crate::skin::parts::in_parts;
 use crate::skin::skin_mesh::SkinMesh;
 
 /// A place counts as beside the layer below when it lies this fraction of an edge outside.
 const BESIDE: f64 = 1e-3;
-
-/// Covered vertices at which tangents are found at a time: at all of them it would take more memory than what is
-/// made of it.
-const VERTICES_AT_A_TIME: usize = 1 << 16;
 
 /// Places that a thread looks for at least.
 const PLACES_AT_ONCE: usize = 256;
@@ -84,22 +81,20 @@ impl Cover {
         let folds = folds_below(lower, &inside, rim);
         let surface = LoopSurface::new(mesh, &corners);
         let limit = LimitPoints::new(surface, inside, &mut || true).expect("nothing ends it early");
+        let of_part = |around: Range<usize>| -> Vec<Matrix2<f64>> {
+            let ranks = ranks_in(&vertices, &around);
+            let along = skin.points.some_derivatives(around.clone(), driver.rest());
+            let planes = limit.some_planes(ranks.clone(), rest);
+            let places = vertices[ranks].iter().zip(&planes);
+            let columns = places.map(|(&vertex, plane)| {
+                let along = along[vertex as usize - around.start];
+                Matrix2::from_columns(&along.map(|tangent| coordinates(&tangent, &plane.first)))
+            });
+            columns.collect()
+        };
         let mut tangents = Vec::with_capacity(vertices.len());
-        for own in vertices.chunks(VERTICES_AT_A_TIME) {
-            let (Some(&first), Some(&last)) = (own.first(), own.last()) else {
-                continue;
-            };
-            let around = first as usize..last as usize + 1;
-            let along = skin.points.some_derivatives(around, driver.rest());
-            let ranks = tangents.len()..tangents.len() + own.len();
-            let planes = limit.some_planes(ranks, rest);
-            let places = own.par_iter().zip(&planes).with_min_len(PLACES_AT_ONCE);
-            tangents.par_extend(places.map(|(vertex, plane)| {
-                let along = along[(vertex - first) as usize];
-                let columns = along.map(|tangent| coordinates(&tangent, &plane.first));
-                Matrix2::from_columns(&columns)
-            }));
-        }
+        let count = skin.mesh.vertex_count();
+        in_parts(count, of_part, |part| tangents.extend(part));
         Self {
             tangents,
             folds,
@@ -132,13 +127,9 @@ impl Cover {
         self.folds.get(i)?.as_ref()
     }
 
-    /// Numbers of the covered vertices among some `vertices` of the mesh above.
+    /// Ranks, among the covered vertices, of those that are some `vertices` of the mesh above.
     pub(crate) fn ranks(&self, vertices: &Range<usize>) -> Range<usize> {
-        let [first, end] = [vertices.start, vertices.end].map(|v| {
-            self.vertices
-                .partition_point(|&covered| (covered as usize) < v)
-        });
-        first..end
+        ranks_in(&self.vertices, vertices)
     }
 
     /// Control points that interpolate vectors at the lower layer's vertices, for [`Self::interpolate`].
@@ -204,6 +195,12 @@ impl Covers {
         let mut known = self.known.borrow_mut();
         known.retain(|([above, _], _)| !above.is_of(&skin.identity));
     }
+}
+
+/// Where, in an ascending list of `covered` vertices, those with such numbers are.
+fn ranks_in(covered: &[u32], vertices: &Range<usize>) -> Range<usize> {
+    let before = |v: usize| covered.partition_point(|&covered| (covered as usize) < v);
+    before(vertices.start)..before(vertices.end)
 }
 
 /// Coordinates of a tangent in a basis of the tangent plane, by least squares.

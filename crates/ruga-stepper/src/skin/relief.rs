@@ -102,10 +102,9 @@ pub(crate) fn turn_between(
 mod tests {
     use nalgebra::Vector2;
     use ruga_material::wrinkling;
-    use ruga_mesh::Id;
 
     use super::*;
-    use crate::test_drivers::{SIDE, knuckle, region_of, square_mesh};
+    use crate::test_drivers::{SIDE, knuckle, middle, square_mesh};
     use crate::{Mask, Presence};
 
     /// Weights on the inner half of a square, under one grey everywhere: the least and the greatest at
@@ -118,13 +117,7 @@ mod tests {
         }
         let driver = Driver::new(&mesh).expect("a square");
         let inside = |x: &Vector3<f64>, half: f64| x.xy().amax() < half + 1e-9;
-        let faces = driver.topology().faces().iter();
-        let faces = faces.filter(|(_, corners)| {
-            let mut places = corners.iter().map(|v| &driver.rest()[v.index()]);
-            places.all(|x| inside(x, 0.25 * SIDE))
-        });
-        let faces: Vec<_> = faces.map(|(face, _)| face).collect();
-        let skin = region_of(&driver, &faces, 1, 0.0).skin;
+        let skin = middle(&driver, 1);
         let spec = LayerSpec {
             presence: Presence {
                 masks: vec![Mask::new(1, 1, vec![grey]).expect("a grey")],

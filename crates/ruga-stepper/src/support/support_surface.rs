@@ -27,6 +27,16 @@ pub(crate) struct SupportSurface {
 }
 
 impl SupportSurface {
+    /// The same layer on a body whose surface is now this one.
+    pub(crate) fn on_body(&self, posed: PosedSurface) -> Self {
+        Self {
+            posed,
+            // Only upper layers leave a part of the bending below out. A body carries the lowest one.
+            transfer: None,
+            growth: self.growth.clone(),
+        }
+    }
+
     /// The surface below a layer that has grown like this.
     pub(crate) fn grown(self, growth: Option<PerFace<Matrix2<f64>>>) -> Self {
         Self { growth, ..self }
@@ -149,7 +159,7 @@ mod tests {
 
     use super::*;
     use crate::support::PosedDriver;
-    use crate::test_drivers::{SIDE, Shape, region_of, skin, square};
+    use crate::test_drivers::{SIDE, Shape, middle, skin, square};
 
     const OFFSET: f64 = 7e-4;
     const TRANSFER: f64 = 0.3;
@@ -200,13 +210,7 @@ mod tests {
         let driver = square(&flat, &flat);
         let upper = skin(&driver, 2, OFFSET);
         let half = 0.25 * SIDE;
-        let corners = driver.topology().faces().iter();
-        let inside = corners.filter(|(_, corners)| {
-            let places = corners.map(|v| driver.rest()[v.index()]);
-            places.iter().all(|x| x.xy().amax() < half + 1e-9)
-        });
-        let faces: Vec<_> = inside.map(|(face, _)| face).collect();
-        let lower = region_of(&driver, &faces, 0, 0.0).skin;
+        let lower = middle(&driver, 0);
         let hump = |x: &Vector3<f64>| {
             let [u, v] = [x.x, x.y].map(|x| (0.5 * PI * x / half).cos());
             x + Vector3::z() * (0.7 * 2.0 * half / PI * u * v)

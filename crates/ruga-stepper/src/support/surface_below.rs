@@ -4,11 +4,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use ruga_blend::{Driver, PosedSurface};
 use ruga_mesh::vertex_normals;
 
 use crate::skin::cover::Cover;
+use crate::skin::parts::{VERTICES_AT_A_TIME, in_parts, in_parts_of};
 use crate::skin::skin_mesh::SkinMesh;
 use crate::support::support_surface::{Attachment, LowerLayer};
 use crate::support::{Support, Under};
@@ -21,13 +21,6 @@ const RIM: f64 = 4.0;
 /// Cosine of half of a fold from which on the layer above does not rise with it any more: its edge would be as high
 /// as a needle.
 const LEAST_COSINE: f64 = 0.5;
-
-/// Vertices below which the surface is made at a time: for all of them what it is made of would take more memory than
-/// the layer's results.
-const AT_A_TIME: usize = 1 << 15;
-
-/// Parts made before what was made is put in its place: no more threads than these are used, and no more memory.
-const PARTS_AT_A_TIME: usize = 8;
 
 /// The surface that a layer lies on, made at some of its vertices at a time.
 pub(crate) struct SurfaceBelow<'s> {
@@ -137,7 +130,7 @@ impl<'s> SurfaceBelow<'s> {
 
     /// The surface at all vertices, without the layer's own height above it, and that height (m).
     pub(super) fn whole(&self) -> (PosedSurface, Vec<f64>) {
-        self.whole_in_parts(AT_A_TIME)
+        self.whole_in_parts(VERTICES_AT_A_TIME)
     }
 
     fn whole_in_parts(&self, most: usize) -> (PosedSurface, Vec<f64>) {
@@ -216,32 +209,6 @@ impl Laid {
     }
 }
 
-/// What `make` gives for all of so many vertices, by their numbers, some at a time; parts run in parallel, and `take`
-/// gets them in their order.
-pub(crate) fn in_parts<R: Send>(
-    vertices: usize,
-    make: impl Fn(Range<usize>) -> R + Sync,
-    take: impl FnMut(R),
-) {
-    in_parts_of(AT_A_TIME, vertices, make, take);
-}
-
-/// Does what [`in_parts`] does, `most` vertices at a time.
-fn in_parts_of<R: Send>(
-    most: usize,
-    vertices: usize,
-    make: impl Fn(Range<usize>) -> R + Sync,
-    mut take: impl FnMut(R),
-) {
-    let starts: Vec<usize> = (0..vertices).step_by(most).collect();
-    for starts in starts.chunks(PARTS_AT_A_TIME) {
-        let parts = starts.par_iter();
-        let parts = parts.map(|&start| make(start..vertices.min(start + most)));
-        let parts: Vec<R> = parts.collect();
-        parts.into_iter().for_each(&mut take);
-    }
-}
-
 /// Places at a `fraction` of their distance (m) above a surface.
 pub(super) fn lifted(surface: &PosedSurface, distance: &[f64], fraction: f64) -> Vec<Vector3<f64>> {
     let places = surface.positions.iter().zip(&surface.normals).zip(distance);
@@ -251,12 +218,11 @@ pub(super) fn lifted(surface: &PosedSurface, distance: &[f64], fraction: f64) ->
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector2;
-    use ruga_mesh::Id;
 
     use super::*;
     use crate::skin::cover::Covers;
     use crate::support::PosedDriver;
-    use crate::test_drivers::{SIDE, region_of, skin, square};
+    use crate::test_drivers::{middle, skin, square};
 
     /// Over a layer that covers the middle alone, which is lifted there.
     #[test]
@@ -264,13 +230,7 @@ mod tests {
         let bowl = |p: Vector2<f64>| Vector3::new(p.x, p.y, 3.0 * p.norm_squared());
         let driver = square(&bowl, &bowl);
         let upper = skin(&driver, 2, 7e-4);
-        let corners = driver.topology().faces().iter();
-        let inside = corners.filter(|(_, corners)| {
-            let places = corners.map(|v| driver.rest()[v.index()]);
-            places.iter().all(|x| x.xy().amax() < 0.25 * SIDE + 1e-9)
-        });
-        let faces: Vec<_> = inside.map(|(face, _)| face).collect();
-        let lower = region_of(&driver, &faces, 0, 0.0).skin;
+        let lower = middle(&driver, 0);
         let lift = |x: &Vector3<f64>| x + Vector3::z() * 1e-3 * (900.0 * x.x).sin();
         let positions: Vec<_> = lower.rest.positions.iter().map(lift).collect();
         let below = LowerLayer {

@@ -9,7 +9,6 @@ use super::{Layer, laid_on};
 use crate::run::layer_objective::{LayerObjective, gather, scatter};
 use crate::run::patches::{Patches, Scales, Whole, Width};
 use crate::support::motion::{Inertia, velocities};
-use crate::support::support_surface::SupportSurface;
 use crate::{Dynamics, StepperError};
 
 /// Lag, in rad or as a change of rest lengths, from which on the energy is set up anew before a solve.
@@ -184,17 +183,7 @@ impl Layer {
         // was set up with, so that it has one minimum during a solve. How far they are behind then
         // is the lag.
         let posed = solid.surface(&self.support.posed);
-        match Arc::get_mut(&mut self.support) {
-            Some(support) => support.posed = posed,
-            // A state to return to has the one before.
-            None => {
-                self.support = Arc::new(SupportSurface {
-                    posed,
-                    transfer: self.support.transfer.clone(),
-                    growth: self.support.growth.clone(),
-                });
-            }
-        }
+        self.support = Arc::new(self.support.on_body(posed));
         self.base = laid_on(&self.support.posed, self.upper.as_ref());
         self.measure_strains();
     }

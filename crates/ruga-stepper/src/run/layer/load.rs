@@ -280,13 +280,7 @@ impl Layer {
             }
         }
         let posed = solid.surface(&self.support.posed);
-        // Only upper layers leave a part of the bending below out. A body carries the lowest one.
-        let surface = SupportSurface {
-            posed,
-            transfer: None,
-            growth: self.support.growth.clone(),
-        };
-        self.set_support(surface, 1.0)
+        self.set_support(self.support.on_body(posed), 1.0)
     }
 
     /// Whether an obstacle pushes.

@@ -14,11 +14,12 @@ use super::output::{OnOutput, Output, Shown, Unmade};
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::skin::interpolation::{Interpolation, Values};
+use crate::skin::parts::in_parts;
 use crate::skin::quiet::{VertexDemand, wrinkled_shares};
 use crate::skin::relief::{ReliefWeights, shown_positions};
 use crate::skin::skin_mesh::{RegionMesh, ShownFaces, SkinMesh};
 use crate::skin::upper_shell::UpperShell;
-use crate::support::surface_below::{SurfaceBelow, in_parts};
+use crate::support::surface_below::SurfaceBelow;
 use crate::{ComputedMesh, LayerSpec, LayerSurface};
 
 /// Distance (wavelengths) from the plane where one half of a symmetric pose ends within which the other half counts in

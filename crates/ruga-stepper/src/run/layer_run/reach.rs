@@ -172,7 +172,7 @@ impl<'a> LayerRun<'a> {
                 true => AtSaddle::Leave,
                 false => AtSaddle::Pass,
             };
-            // A solve takes all the memory there is.
+            // These are not needed while the layer is solved, when memory is most.
             drop((felt, limits, wanted));
             let how = (at_saddle, accuracy);
             let loaded = self.layer.strain_ratio();
