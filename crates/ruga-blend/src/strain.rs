@@ -1,7 +1,11 @@
 //! Strains that a pose asks of the skin: principal values per face.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
+use rayon::prelude::*;
 use ruga_mesh::{PerFace, TriMesh, triangle_frame};
+
+/// Faces that a thread takes at least.
+const AT_ONCE: usize = 1 << 10;
 
 /// Principal strains of one face, posed against rest, in the rest surface's metric.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,15 +72,13 @@ pub fn face_strains(
         [count; 2],
         "one position per vertex"
     );
-    mesh.faces()
-        .as_slice()
-        .iter()
-        .map(|face| {
-            let rest = face.map(|v| rest[v.0 as usize]);
-            let posed = face.map(|v| posed[v.0 as usize]);
-            FaceStrain::from_cauchy_green(cauchy_green(rest, posed))
-        })
-        .collect()
+    let faces = mesh.faces().as_slice().par_iter().with_min_len(AT_ONCE);
+    let strains = faces.map(|face| {
+        let rest = face.map(|v| rest[v.0 as usize]);
+        let posed = face.map(|v| posed[v.0 as usize]);
+        FaceStrain::from_cauchy_green(cauchy_green(rest, posed))
+    });
+    strains.collect::<Vec<_>>().into()
 }
 
 fn cauchy_green(rest: [Vector3<f64>; 3], posed: [Vector3<f64>; 3]) -> Matrix2<f64> {

@@ -110,7 +110,7 @@ impl LayerBending {
                 .into_iter()
                 .map(|star| StarElement::new(star, &hinge_of))
                 .collect(),
-            hinges: inner.iter().map(hinge).collect(),
+            hinges: values(inner, hinge),
             factor: 1.0,
             creases: Vec::new(),
             creased_stars: Vec::new(),

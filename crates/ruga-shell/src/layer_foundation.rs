@@ -10,6 +10,7 @@ use crate::foundation::{Anchor, NormalFoundation, TangentialSpring};
 use crate::layer_part::{PartNumbers, pick, rank};
 use crate::line_anchor::{line_spring_energy, line_spring_pulls};
 use crate::parameters::{check_finite, check_length};
+use crate::shared_out::{for_each_mut, numbered, values};
 use crate::sheet::Sheet;
 use crate::stencil::FaceCorner;
 use crate::{EnergyParts, FaceParameters, LineAnchor, RestTriangle, ShellError};
@@ -113,16 +114,17 @@ impl LayerFoundation {
     /// Recomputes every stiffness for the sheet's present rest metric.
     pub(crate) fn set_rest(&mut self, sheet: &Sheet) {
         let (faces, rest) = (sheet.faces(), sheet.rest());
-        let materials = sheet.parameters().iter().zip(sheet.area_left());
-        let stencil = |(rest, (p, left)): (&RestTriangle, (&FaceParameters, &f64))| {
+        let (parameters, area_left) = (sheet.parameters(), sheet.area_left());
+        self.normal = numbered(faces.len(), |face| {
             // What is gone is held by nothing.
-            let [normal, gradient] = [p.normal_stiffness, p.gradient_stiffness].map(|k| left * k);
-            NormalFoundation::new(rest, normal, gradient)
-        };
-        self.normal = rest.iter().zip(materials).map(stencil).collect();
+            let p: &FaceParameters = &parameters[face];
+            let stiffness = [p.normal_stiffness, p.gradient_stiffness];
+            let [normal, gradient] = stiffness.map(|k| area_left[face] * k);
+            NormalFoundation::new(&rest[face], normal, gradient)
+        });
         let mut areas = vec![0.0; self.anchors.len()];
         let mut diagonal = vec![0.0; self.anchors.len()];
-        let matrices: Vec<_> = self.normal.iter().map(NormalFoundation::matrix).collect();
+        let matrices = values(&self.normal, NormalFoundation::matrix);
         let areas_left = rest
             .iter()
             .zip(sheet.area_left())
@@ -146,10 +148,10 @@ impl LayerFoundation {
             let (face, corner) = side.pair();
             matrices[face.index()][(corner, (corner + 1) % 3)]
         };
-        for edge in &mut self.edges {
+        for_each_mut(&mut self.edges, |edge| {
             let entries = edge.sides.into_iter().flatten().map(entry);
             edge.stiffness = entries.sum();
-        }
+        });
         for line in &mut self.lines {
             let edge = &mut self.edges[line.edge as usize];
             line.stiffness = line.anchor.stiffness * edge.length(rest);

@@ -25,12 +25,20 @@ pub(crate) fn values<T: Sync, R: Send>(
     elements: &[T],
     value: impl Fn(&T) -> R + Send + Sync,
 ) -> Vec<R> {
-    match is_shared_out(elements.len()) {
+    numbered(elements.len(), |i| value(&elements[i]))
+}
+
+/// The values of so many elements, by their numbers.
+pub(crate) fn numbered<R: Send>(
+    elements: usize,
+    value: impl Fn(usize) -> R + Send + Sync,
+) -> Vec<R> {
+    match is_shared_out(elements) {
         true => {
-            let elements = elements.par_iter().with_min_len(AT_ONCE);
+            let elements = (0..elements).into_par_iter().with_min_len(AT_ONCE);
             elements.map(value).collect()
         }
-        false => elements.iter().map(value).collect(),
+        false => (0..elements).map(value).collect(),
     }
 }
 

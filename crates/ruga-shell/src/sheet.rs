@@ -9,7 +9,7 @@ use ruga_mesh::{BlockPattern, EdgeId, TriMesh};
 use crate::layer_bending::{LayerBending, inner_edges};
 use crate::layer_part::{PartNumbers, pick, rank};
 use crate::membrane::{Membrane, Stress};
-use crate::shared_out::in_order;
+use crate::shared_out::{in_order, numbered};
 use crate::sheet_slots::SheetSlots;
 use crate::stars::stars;
 use crate::stencil::{add_blocks, gather};
@@ -58,11 +58,10 @@ impl Sheet {
         }
         let faces = mesh.faces().as_slice().iter();
         let faces: Vec<_> = faces.map(|face| face.map(|v| before + v.0)).collect();
-        let corners = faces.iter().map(|face| gather(positions, face));
-        let rest = corners
-            .enumerate()
-            .map(|(index, corners)| RestTriangle::new(&corners, index))
-            .collect::<Result<Vec<_>, _>>()?;
+        let rest = numbered(faces.len(), |face| {
+            RestTriangle::new(&gather(positions, &faces[face]), face)
+        });
+        let rest = rest.into_iter().collect::<Result<Vec<_>, _>>()?;
         let area_left = vec![1.0; faces.len()];
         let mut this = Self {
             membranes: membranes(&rest, &parameters, &area_left),
@@ -152,10 +151,10 @@ impl Sheet {
         stretches: &[Matrix2<f64>],
     ) -> Result<Vec<RestTriangle>, ShellError> {
         // Always from the triangles as built: stretches of one frame after the other would pile up.
-        let faces = self.unstretched.iter().zip(stretches).enumerate();
-        faces
-            .map(|(face, (rest, stretch))| rest.stretched(stretch, face))
-            .collect()
+        let stretched = numbered(stretches.len(), |face| {
+            self.unstretched[face].stretched(&stretches[face], face)
+        });
+        stretched.into_iter().collect()
     }
 
     pub(crate) fn set_rest(&mut self, rest: Vec<RestTriangle>) {
@@ -194,9 +193,9 @@ impl Sheet {
 
     /// Sets every face's Green strain without stress.
     pub(crate) fn set_natural_strains(&mut self, strains: &[Matrix2<f64>]) {
-        for (membrane, strain) in self.membranes.iter_mut().zip(strains) {
-            *membrane = membrane.with_natural_strain(*strain);
-        }
+        self.membranes = numbered(self.membranes.len(), |face| {
+            self.membranes[face].with_natural_strain(strains[face])
+        });
     }
 
     pub(crate) fn set_rest_angles(&mut self, positions: &[Vector3<f64>]) {
@@ -298,8 +297,12 @@ fn membranes(
     parameters: &[FaceParameters],
     area_left: &[f64],
 ) -> Vec<Membrane> {
-    let faces = rest.iter().zip(parameters).zip(area_left);
-    faces
-        .map(|((rest, p), left)| Membrane::new(rest, left * p.tension_modulus(), p.poisson))
-        .collect()
+    numbered(rest.len(), |face| {
+        let p = &parameters[face];
+        Membrane::new(
+            &rest[face],
+            area_left[face] * p.tension_modulus(),
+            p.poisson,
+        )
+    })
 }

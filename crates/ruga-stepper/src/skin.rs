@@ -11,6 +11,7 @@ mod folds_below;
 pub(crate) mod identity;
 pub(crate) mod interpolation;
 pub(crate) mod local_skin;
+mod local_skins;
 pub(crate) mod material_places;
 pub(crate) mod measure;
 pub(crate) mod mirror;

@@ -3,6 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Matrix3, SymmetricEigen};
+use rayon::prelude::*;
 use ruga_blend::{Driver, FaceStrain};
 use ruga_material::Wrinkling;
 use ruga_mesh::{FaceId, Id, PerFace, face_areas, triangle_frame};
@@ -125,7 +126,7 @@ impl SizingRequest {
         };
         let drivers = face_drivers(layer.material.poisson, &properties, &region.skin, below);
         preparing.step()?;
-        let waves = properties.vertices.iter();
+        let waves = properties.at_vertices();
         let waves = waves.map(|local| local.wrinkling.wavelength);
         let across = waves.clone().fold(f64::MAX, f64::min) / points;
         let aspect = aspect(&limits, points);
@@ -159,7 +160,7 @@ impl SizingRequest {
         for near in near_creases(&region.skin, reach, |_| true) {
             let (v, wave) = (
                 near.vertex,
-                properties.vertices[near.vertex].wrinkling.wavelength,
+                properties.at_vertex(near.vertex).wrinkling.wavelength,
             );
             if near.distance <= CREASE_REACH * wave {
                 let along = near.along * near.along.transpose();
@@ -247,7 +248,7 @@ fn aspects(skin: &SkinMesh, drivers: &PerFace<FaceDriver>, most: f64, reach: f64
         // angle at most.
         (2.0 / scatter.min(FRAC_PI_2).sin()).clamp(1.0, most)
     };
-    tensors.iter().map(aspect).collect()
+    tensors.par_iter().map(aspect).collect()
 }
 
 /// Directions `d d^T` of the faces' compression, weighted by area and size, averaged over `reach`
@@ -261,12 +262,15 @@ fn averaged_directions(
     let mut tensors = vec![Matrix3::zeros(); mesh.vertex_count()];
     let areas = face_areas(mesh, &skin.rest.positions);
     let area: f64 = areas.as_slice().iter().sum();
-    for (face, corners) in mesh.faces().iter() {
+    let directions = drivers.as_slice().par_iter().map(|driver| {
         // Tension does not wrinkle; the larger compression decides where both do.
-        let eigen = SymmetricEigen::new(drivers[face].compression);
+        let eigen = SymmetricEigen::new(driver.compression);
         let values = eigen.eigenvalues.map(|value| value.max(0.0).powi(2));
         let vectors = eigen.eigenvectors;
-        let directions = vectors * Matrix3::from_diagonal(&values) * vectors.transpose();
+        vectors * Matrix3::from_diagonal(&values) * vectors.transpose()
+    });
+    let directions: Vec<_> = directions.collect();
+    for ((face, corners), directions) in mesh.faces().iter().zip(directions) {
         for v in corners {
             tensors[v.index()] += directions * (areas[face] / 3.0);
         }
@@ -310,19 +314,23 @@ fn face_drivers(
         critical_strain: local.wrinkling.critical_strain,
         poisson,
     };
-    let faces = properties.faces.as_slice().iter();
+    let faces = properties.on_faces();
     let mut drivers: PerFace<FaceDriver> = faces.map(unloaded).collect();
     let mut largest = PerFace::filled(drivers.len(), f64::NEG_INFINITY);
     for surface in below {
-        for (face, strain) in applied_strains(skin, surface).iter() {
-            let effective = strain.effective(poisson);
-            if effective > largest[face] {
-                largest[face] = effective;
+        let strains = applied_strains(skin, surface);
+        let faces = drivers.as_mut_slice().par_iter_mut();
+        let faces = faces.zip(largest.as_mut_slice()).enumerate();
+        faces.for_each(|(face, (driver, largest))| {
+            let face = FaceId::from_index(face);
+            let effective = strains[face].effective(poisson);
+            if effective > *largest {
+                *largest = effective;
                 // The tensor is in space, because averages are taken across faces, each of which
                 // has a frame of its own.
-                drivers[face].compression = in_space(skin, face, strain);
+                driver.compression = in_space(skin, face, &strains[face]);
             }
-        }
+        });
     }
     drivers
 }

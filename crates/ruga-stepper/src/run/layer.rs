@@ -111,7 +111,7 @@ pub(crate) struct Layer {
     solid: Option<Solid>,
     /// Whether the energy's rest metric may differ from the rest surface's.
     is_metric_changed: bool,
-    /// Normals of the support surface that the energy stands on.
+    /// Normals of a body's surface that the energy stands on.
     held_normals: Vec<Vector3<f64>>,
     /// Factors of the energy's rest lengths on a body, per face.
     held_ratios: Vec<f64>,
@@ -212,12 +212,8 @@ impl Layer {
         preparing.step()?;
         let areas = energy.vertex_areas().to_vec();
         let of_vertex = |(local, area): (&LocalSkin, &f64)| local.mass_per_area() * area;
-        let mut masses: Vec<f64> = properties
-            .vertices
-            .iter()
-            .zip(&areas)
-            .map(of_vertex)
-            .collect();
+        let locals = properties.at_vertices();
+        let mut masses: Vec<f64> = locals.zip(&areas).map(of_vertex).collect();
         let mut solid = match &interior {
             Some(interior) => {
                 let of_upper = upper.as_ref().map_or(0.0, UpperShell::mass_per_area);
@@ -252,7 +248,7 @@ impl Layer {
                 let i = v.index() % vertices;
                 // It is relative to the foundation, or it would be too much where a layer is
                 // painted soft and too little where it is stiff.
-                let stiffness = properties.vertices[i].wrinkling.normal_stiffness;
+                let stiffness = properties.at_vertex(i).wrinkling.normal_stiffness;
                 [DAMPING * stiffness * areas[i]; 3]
             })
             .collect();
@@ -274,7 +270,10 @@ impl Layer {
                 growth: None,
             }),
             fractions: PerFace::filled(skin.mesh.face_count(), 1.0),
-            held_normals: rest.normals.clone(),
+            held_normals: match &solid {
+                Some(_) => rest.normals.clone(),
+                None => Vec::new(),
+            },
             held_ratios: match &solid {
                 Some(_) => vec![1.0; skin.mesh.face_count()],
                 None => Vec::new(),
@@ -327,7 +326,7 @@ impl Layer {
         let vertices = self.vertex_count();
         let places = self.free.iter().map(|v| {
             let i = v.index() % vertices;
-            (&self.properties.vertices[i], self.areas[i])
+            (self.properties.at_vertex(i), self.areas[i])
         });
         for (v, height) in self.free.iter().zip(noise(seed, places)) {
             let normal = self.skin.rest.normals[v.index() % vertices];
@@ -481,7 +480,7 @@ pub(crate) fn layer_parameters(properties: &SkinProperties, held: bool) -> Layer
     };
     let tangential = |local: &LocalSkin| spring(local.wrinkling.tangential_stiffness);
     LayerParameters {
-        faces: properties.faces.as_slice().iter().map(face).collect(),
-        tangential_stiffness: properties.vertices.iter().map(tangential).collect(),
+        faces: properties.on_faces().map(face).collect(),
+        tangential_stiffness: properties.at_vertices().map(tangential).collect(),
     }
 }

@@ -83,7 +83,7 @@ pub(crate) fn row_centres(
     if free.is_empty() {
         return Ok(Vec::new());
     }
-    let wavelength = |v: usize| properties.vertices[v].wrinkling.wavelength;
+    let wavelength = |v: usize| properties.at_vertex(v).wrinkling.wavelength;
     let spacings = (0..skin.mesh.vertex_count()).map(|v| spacing * wavelength(v));
     let rest = &skin.rest.positions;
     let centres = cluster_centres(

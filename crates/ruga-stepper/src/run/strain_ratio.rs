@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Vector2};
 use rayon::prelude::*;
 use ruga_blend::{FaceStrain, face_strains};
 use ruga_material::capped_strain;
-use ruga_mesh::{FaceId, PerFace, face_areas};
+use ruga_mesh::{FaceId, Id, PerFace, face_areas};
 
 use crate::run::layer::Absorption;
 use crate::skin::local_skin::SkinProperties;
@@ -52,7 +52,9 @@ impl StrainRatios<'_> {
 
     /// The ratios of all faces.
     pub(crate) fn all(&self) -> PerFace<f64> {
-        self.strains.ids().map(|face| self.of_face(face)).collect()
+        let faces = (0..self.strains.len()).into_par_iter();
+        let ratios = faces.map(|face| self.of_face(FaceId::from_index(face)));
+        ratios.collect::<Vec<_>>().into()
     }
 
     fn of_face_at(&self, fraction: f64, face: FaceId) -> f64 {
@@ -68,14 +70,13 @@ impl StrainRatios<'_> {
     fn at(&self, capped: [f64; 2], fraction: f64, face: FaceId) -> f64 {
         let [first, second] = capped.map(|strain| loaded(strain, fraction));
         let effective = first + self.poisson * second;
-        effective / self.properties.faces[face].wrinkling.critical_strain
+        effective / self.properties.on_face(face).wrinkling.critical_strain
     }
 
     /// The largest ratio of all faces.
     pub(crate) fn largest(&self) -> f64 {
-        let ratios = self.strains.ids().map(|face| self.of_face(face));
         // Tension, whose ratio is negative, asks for nothing.
-        ratios.fold(0.0, f64::max)
+        self.all().as_slice().iter().copied().fold(0.0, f64::max)
     }
 
     /// The fractions of the faces' applied strains at which their ratios are what is `wanted` of each, above 0; all of
@@ -128,7 +129,7 @@ impl StrainRatios<'_> {
     pub(crate) fn energy_scale(&self) -> f64 {
         let areas = face_areas(&self.skin.mesh, &self.skin.rest.positions);
         let of_face = |face: FaceId| {
-            let wrinkling = &self.properties.faces[face].wrinkling;
+            let wrinkling = &self.properties.on_face(face).wrinkling;
             // Without a lower bound the scale, and with it every tolerance, would vanish at the
             // onset.
             let strain = capped(&self.strains[face], 0.0);
@@ -146,9 +147,9 @@ pub(crate) fn driven_strains(skin: &SkinMesh, support: &SupportSurface) -> PerFa
     let Some(transfer) = &support.transfer else {
         return strains;
     };
-    let pairs = strains.as_slice().iter().zip(transfer);
+    let pairs = strains.as_slice().par_iter().zip(transfer);
     let strains = pairs.map(|(strain, stretch)| relative_to(strain, stretch));
-    strains.collect()
+    strains.collect::<Vec<_>>().into()
 }
 
 /// The strains that the surface below applies to every face of the layer as it has grown.
@@ -165,10 +166,9 @@ pub(crate) fn relative_to_growth(
     driven: &PerFace<FaceStrain>,
     growth: &PerFace<Matrix2<f64>>,
 ) -> PerFace<FaceStrain> {
-    let faces = driven.iter();
-    faces
-        .map(|(face, strain)| relative_to(strain, &growth[face]))
-        .collect()
+    let pairs = driven.as_slice().par_iter().zip(growth.as_slice());
+    let strains = pairs.map(|(strain, stretch)| relative_to(strain, stretch));
+    strains.collect::<Vec<_>>().into()
 }
 
 /// The strain of a face whose rest lengths have changed by a stretch.

@@ -248,19 +248,20 @@ impl<'a> StackRun<'a> {
     fn snapshots(
         &self,
         index: usize,
-        (layer, on_output): (&LayerView<'_>, OnOutput<'_>),
+        (layer, mut on_output): (&LayerView<'_>, OnOutput<'_>),
         support: &dyn Support,
         lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {
         let driver = self.plan.driver.as_ref();
         let attachment = self.plan.stacking.attachments[index];
+        let shape = on_output.take_shape();
         let below = |lower: &[LowerLayer<'_>]| {
             SurfaceBelow::new((driver, support), &on_output.mesh.skin, attachment, lower)
         };
         let real = below(lower);
         // Maps show driver or body as they are.
         let shown = (!lower.is_empty()).then(|| below(&as_shown(lower)));
-        let values = layer.values(&on_output, (&real, shown.as_ref()));
+        let values = layer.values((&on_output, shape), (&real, shown.as_ref()));
         drop((real, shown));
         // A mesh that nothing else will be shown on.
         if let Cow::Owned(mesh) = &on_output.mesh {

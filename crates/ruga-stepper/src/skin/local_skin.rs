@@ -4,8 +4,9 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use ruga_blend::Driver;
 use ruga_material::{LayerMaterial, RelativeProperties, Wrinkling, local_wrinkling};
-use ruga_mesh::{Id, PerFace};
+use ruga_mesh::{FaceId, Id, PerFace};
 
+use crate::skin::local_skins::LocalSkins;
 use crate::skin::material_places::uv;
 use crate::skin::skin_mesh::SkinMesh;
 use crate::{LayerSpec, StepperError};
@@ -23,8 +24,8 @@ pub(crate) struct LocalSkin {
 /// The layer at the vertices and on the faces of a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct SkinProperties {
-    pub(crate) vertices: Vec<LocalSkin>,
-    pub(crate) faces: PerFace<LocalSkin>,
+    vertices: LocalSkins,
+    faces: LocalSkins,
 }
 
 impl LocalSkin {
@@ -54,8 +55,8 @@ impl SkinProperties {
                 wrinkling: *nominal,
             };
             return Ok(Self {
-                vertices: vec![everywhere; vertices],
-                faces: PerFace::filled(faces, everywhere),
+                vertices: LocalSkins::Even(everywhere, vertices),
+                faces: LocalSkins::Even(everywhere, faces),
             });
         }
         let relative = relative_at_vertices(spec, driver, skin);
@@ -71,12 +72,33 @@ impl SkinProperties {
             let places = places.par_iter().with_min_len(PLACES_AT_ONCE);
             let found: Vec<_> = places.map(local).collect();
             // Of several errors the first is told, whoever was first.
-            found.into_iter().collect::<Result<Vec<_>, _>>()
+            let found: Result<_, StepperError> = found.into_iter().collect();
+            found.map(LocalSkins::Uneven)
         };
         Ok(Self {
-            faces: local_at(of_faces.as_slice())?.into(),
+            faces: local_at(of_faces.as_slice())?,
             vertices: local_at(&relative)?,
         })
+    }
+
+    /// The layer at a vertex.
+    pub(crate) fn at_vertex(&self, vertex: usize) -> &LocalSkin {
+        self.vertices.at(vertex)
+    }
+
+    /// The layer on a face.
+    pub(crate) fn on_face(&self, face: FaceId) -> &LocalSkin {
+        self.faces.at(face.index())
+    }
+
+    /// The layer at every vertex.
+    pub(crate) fn at_vertices(&self) -> impl ExactSizeIterator<Item = &LocalSkin> + Clone {
+        self.vertices.all()
+    }
+
+    /// The layer on every face.
+    pub(crate) fn on_faces(&self) -> impl ExactSizeIterator<Item = &LocalSkin> + Clone {
+        self.faces.all()
     }
 }
 
@@ -325,7 +347,7 @@ mod tests {
         for (face, corners) in skin.mesh.faces().iter() {
             let [a, b, c] = corners.map(|v| skin.rest.positions[v.index()]);
             let area = areas[face];
-            let thickness = properties.faces[face].material.thickness / layer.material.thickness;
+            let thickness = properties.on_face(face).material.thickness / layer.material.thickness;
             let thick = thick_fraction([a, b, c], &is_thick);
             wrong += area * (thick * (1.0 - thickness) + (1.0 - thick) * (thickness - 0.5)) / 0.5;
             total += area;
@@ -431,7 +453,7 @@ mod tests {
                 let nominal = nominal.expect("a material").wrinkling;
                 let found = SkinProperties::new(&spec, &nominal, None, &driver, &skin);
                 let found = found.expect("a material everywhere");
-                (skin.rest.positions, format!("{:?}", found.faces.as_slice()))
+                (skin.rest.positions, format!("{:?}", found.faces))
             });
             assert!(plain == sharp);
         }

@@ -1,6 +1,7 @@
 //! The surface that a layer lies on: the layer below where there is one, driver or body elsewhere.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector3};
+use rayon::prelude::*;
 use ruga_blend::{Driver, FaceStrain, PosedSurface, face_strains};
 use ruga_mesh::PerFace;
 
@@ -127,7 +128,7 @@ pub(crate) fn support_surface(
 /// that is taken over: with this rest metric a layer in `W` is strained as one in `P`. For bending about
 /// one axis it is `l0' = l0 |dQ_t| / |dQ_teff|` of the notes.
 fn untransferred(whole: &PerFace<FaceStrain>, part: &PerFace<FaceStrain>) -> Vec<Matrix2<f64>> {
-    let pairs = whole.as_slice().iter().zip(part.as_slice());
+    let pairs = whole.as_slice().par_iter().zip(part.as_slice());
     pairs
         .map(|(whole, part)| {
             // A part that collapses a face has no inverse root. Held at a hundredth of its length

@@ -134,7 +134,12 @@ impl<'s> SurfaceBelow<'s> {
     }
 
     fn whole_in_parts(&self, most: usize) -> (PosedSurface, Vec<f64>) {
-        let (mut middle, mut distance) = (PosedSurface::default(), Vec::new());
+        let mut middle = PosedSurface {
+            positions: Vec::with_capacity(self.vertices),
+            normals: Vec::with_capacity(self.vertices),
+            tangents: Vec::with_capacity(self.vertices),
+        };
+        let mut distance = Vec::with_capacity(self.vertices);
         in_parts_of(
             most,
             self.vertices,

@@ -129,7 +129,7 @@ impl Bands {
         for (rank, crease) in own {
             let ends = mesh.edges()[crease.edge].vertices.map(Id::index);
             ends.iter().for_each(|&v| at_vertex[v].push(edges.len()));
-            let waves = ends.map(|v| properties.vertices[v].wrinkling.wavelength);
+            let waves = ends.map(|v| properties.at_vertex(v).wrinkling.wavelength);
             let line = &layer.creases[crease.line].line;
             edges.push(BandEdge {
                 rank,

@@ -151,7 +151,7 @@ impl Layer {
     pub(super) fn drawn_crease(&self, rank: usize) -> Crease {
         let (on_edge, strengths) = (&self.skin.creases[rank], &self.crease_strengths);
         let spec = &self.spec.creases[on_edge.line];
-        let wave = |face| &self.properties.faces[face].wrinkling;
+        let wave = |face| &self.properties.on_face(face).wrinkling;
         let modulus = self.beside(on_edge.edge, |face| wave(face).bending_stiffness);
         let drawn = (strengths.lines[on_edge.line], strengths.kept);
         let crease = spec.on_edge(on_edge.at, drawn, modulus);
@@ -191,7 +191,7 @@ impl Layer {
         let strength = self.crease_strengths.lines[on_edge.line];
         let fold = self.crease_strengths.fold(rank);
         let unit = |face| {
-            let wave: &Wrinkling = &self.properties.faces[face].wrinkling;
+            let wave: &Wrinkling = &self.properties.on_face(face).wrinkling;
             wave.normal_stiffness / wave.wave_number
         };
         let depth = |taper: f64| {
@@ -259,7 +259,7 @@ impl Layer {
         if !is_on.contains(&true) {
             return Vec::new();
         }
-        let waves = self.properties.vertices.iter();
+        let waves = self.properties.at_vertices();
         let waves = waves.map(|local| local.wrinkling.wavelength);
         let longest = waves.clone().fold(0.0, f64::max);
         let places = &self.skin.rest.positions;

@@ -27,7 +27,7 @@ impl Layer {
             let state = |face: FaceId| {
                 let local = match (&self.upper, sheet) {
                     (Some(upper), 1) => &upper.local,
-                    _ => &self.properties.faces[face],
+                    _ => self.properties.on_face(face),
                 };
                 self.face_state(face, local, &energies[face.index()], areas[face])
             };

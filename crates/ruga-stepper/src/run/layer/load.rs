@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use nalgebra::{Matrix2, Vector3};
+use rayon::prelude::*;
 use ruga_blend::{FaceStrain, Weights};
 use ruga_material::CAP_START;
 use ruga_mesh::{FaceId, Id, PerFace, VertexId, face_areas, vertex_means};
@@ -19,7 +20,7 @@ use crate::skin::interpolation::{Interpolation, Values};
 use crate::skin::relief::turn_between;
 use crate::support::motion::Inertia;
 use crate::support::support_surface::SupportSurface;
-use crate::support::{Moves, Solid, SolidState};
+use crate::support::{Moves, SolidState};
 
 /// Least factor by which a rest triangle may shrink, so that one which collapses on the way keeps
 /// an area.
@@ -60,11 +61,12 @@ impl Layer {
         let (old, new) = (&self.support.posed, &support.posed);
         let base = laid_on(new, self.upper.as_ref());
         let vertices = self.vertex_count();
-        for (i, base) in base.iter().enumerate() {
+        let bases = base.par_iter().zip(&self.base);
+        let places = self.positions.par_iter_mut().zip(bases).enumerate();
+        places.for_each(|(i, (x, (base, before)))| {
             // Wrinkles turn with the surface. Shifted alone they would lean.
-            let deviation = self.positions[i] - self.base[i];
-            self.positions[i] = base + turn_between(old, new, i % vertices) * deviation;
-        }
+            *x = base + turn_between(old, new, i % vertices) * (*x - before);
+        });
         self.base = base;
         self.stay_on_plane();
         self.support = support;
@@ -129,8 +131,10 @@ impl Layer {
             outcome = outcome.and_then(|()| self.energy.set_rest_angles(&self.base));
         }
         outcome.map_err(|source| self.shell_error(source))?;
-        self.held_normals.clone_from(&self.support.posed.normals);
-        self.solid.iter_mut().for_each(Solid::hold);
+        if let Some(solid) = &mut self.solid {
+            self.held_normals.clone_from(&self.support.posed.normals);
+            solid.hold();
+        }
         // This comes before any natural strain, because a new rest metric clears them.
         self.set_rest_metric()?;
         self.set_loaded_strains()
@@ -165,8 +169,9 @@ impl Layer {
         let changed = capped || self.support.transfer.is_some();
         // After the last change the metric is set once more, to take it back.
         if changed || self.is_metric_changed {
-            let strains = driven.iter();
-            let stretches: Vec<_> = strains.map(|(f, s)| self.rest_stretch(f, s)).collect();
+            let strains = driven.as_slice().par_iter().enumerate();
+            let stretches = strains.map(|(f, s)| self.rest_stretch(FaceId::from_index(f), s));
+            let stretches: Vec<_> = stretches.collect();
             let outcome = self.energy.set_rest_metric(&stretches);
             outcome.map_err(|source| self.shell_error(source))?;
         }
@@ -227,12 +232,14 @@ impl Layer {
     /// face's critical strain and these.
     fn set_effective_strains(
         &mut self,
-        wanted: impl Fn(f64, [f64; 2]) -> [f64; 2],
+        wanted: impl Fn(f64, [f64; 2]) -> [f64; 2] + Sync,
     ) -> Result<(), StepperError> {
-        let (strains, driven) = (self.strains.iter(), self.driven_strains());
+        let strains = self.strains.as_slice().par_iter().enumerate();
+        let driven = self.driven_strains();
         let natural: Vec<_> = strains
             .map(|(face, strain)| {
-                let critical = self.properties.faces[face].wrinkling.critical_strain;
+                let face = FaceId::from_index(face);
+                let critical = self.properties.on_face(face).wrinkling.critical_strain;
                 let whole = &driven[face];
                 let [own, driven] = [strain, whole].map(|s| self.absorption.share(face, s));
                 let effective = wanted(critical, applied(strain, own, self.fractions[face]));

@@ -83,14 +83,15 @@ impl Output {
 }
 
 impl OnOutput<'_> {
+    /// What is known of the layer at its vertices, which is forgotten here.
+    pub(crate) fn take_shape(&mut self) -> Shape {
+        std::mem::take(&mut self.shape)
+    }
+
     /// Triangles as results have them. A mesh that nothing else will be shown on is given up on the way.
     pub(super) fn into_faces(self, driver: &Driver) -> ShownFaces {
-        let Self {
-            mesh,
-            weights,
-            shape,
-        } = self;
-        drop((weights, shape));
+        let Self { mesh, weights, .. } = self;
+        drop(weights);
         match mesh {
             Cow::Borrowed(mesh) => mesh.shown(driver).clone(),
             Cow::Owned(mesh) => mesh.into_shown(driver),

@@ -263,7 +263,7 @@ impl Layer {
     }
 
     pub(super) fn wrinkling(&self, face: FaceId) -> &Wrinkling {
-        &self.properties.faces[face].wrinkling
+        &self.properties.on_face(face).wrinkling
     }
 
     /// What is left of the foundation below a face, Pa/m. Lengths are those of skin that is held in full, also where

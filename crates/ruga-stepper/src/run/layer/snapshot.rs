@@ -43,7 +43,7 @@ pub(crate) struct LayerView<'l> {
 }
 
 /// Where a layer is on what lies below it, and what that asks of it, at the vertices of a mesh.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Shape {
     /// Displacements of the vertices from where they would be without wrinkles, m.
     deviations: Vec<Vector3<f64>>,
@@ -54,7 +54,6 @@ pub(crate) struct Shape {
 }
 
 /// Values at the vertices of an output mesh, m.
-#[derive(Default)]
 pub(crate) struct OutputValues {
     positions: Vec<Vector3<f64>>,
     /// Positions as maps show them.
@@ -147,12 +146,12 @@ impl Layer {
         let upper = self.upper.as_ref();
         let upper = upper.map_or(f64::INFINITY, |upper| upper.critical_strain());
         let of_face = |face: FaceId| {
-            let critical = self.properties.faces[face].wrinkling.critical_strain;
+            let critical = self.properties.on_face(face).wrinkling.critical_strain;
             ratios.of_face(face) * critical / critical.min(upper)
         };
         let mut means = vertex_means(&self.skin.mesh, of_face).into_vec();
         self.raise_near_creases(&mut means, 1.0);
-        let pairs = means.into_iter().zip(&self.properties.vertices);
+        let pairs = means.into_iter().zip(self.properties.at_vertices());
         let demands = pairs.map(|(ratio, local)| VertexDemand::new(ratio, &local.wrinkling));
         let mut demands: Vec<_> = demands.collect();
         self.let_turn_near_slits(&mut demands);
@@ -188,15 +187,21 @@ impl LayerView<'_> {
         Shown::new(driver, layer, made, false, preparing)
     }
 
-    /// The layer as results have it on its output mesh, and one that moves together with it, over what is below that
-    /// mesh: `real`, or as maps show it, if that is something else.
+    /// The layer as results have it on its output mesh, in the shape that was taken from there, and one that moves
+    /// together with it, over what is below that mesh: `real`, or as maps show it, if that is something else.
     pub(crate) fn values(
         &self,
-        on_output: &OnOutput<'_>,
+        (on_output, shape): (&OnOutput<'_>, Shape),
         (real, shown): (&SurfaceBelow<'_>, Option<&SurfaceBelow<'_>>),
     ) -> OutputValues {
-        let weights = on_output.weights(&real.normals());
-        let shape = &on_output.shape;
+        let Shape {
+            deviations,
+            upper_deviations,
+            demands,
+        } = shape;
+        let weights = on_output.weights(&demands, &real.normals());
+        // The lists made below take more memory than most else that is here.
+        drop(demands);
         let of_part = |vertices: Range<usize>| {
             let (support, real) = real.at(vertices.clone()).lifted_over_support();
             let shown = shown.map(|shown| shown.at(vertices.clone()).lifted_over_support().1);
@@ -204,21 +209,26 @@ impl LayerView<'_> {
             // The support surface is known on the output mesh itself. Only the deviation from it is
             // carried over from the layer's coarser mesh, so that smooth parts of the region stay
             // exact.
-            let positions = sums(&real.positions, &shape.deviations[vertices.clone()]);
+            let positions = sums(&real.positions, &deviations[vertices.clone()]);
             let relief = shown_positions(&positions, &real, shown, &weights[vertices]);
             (positions, relief, support)
         };
-        let mut values = OutputValues::default();
-        in_parts(
-            shape.deviations.len(),
-            of_part,
-            |(positions, relief, support)| {
-                values.positions.extend(positions);
-                values.relief.extend(relief);
-                values.driver_positions.extend(support.positions);
-                values.driver_normals.extend(support.normals);
-            },
-        );
+        let vertices = deviations.len();
+        // A list that grows takes up to twice as much.
+        let list = || Vec::with_capacity(vertices);
+        let mut values = OutputValues {
+            positions: list(),
+            relief: list(),
+            upper: None,
+            driver_positions: list(),
+            driver_normals: list(),
+        };
+        in_parts(vertices, of_part, |(positions, relief, support)| {
+            values.positions.extend(positions);
+            values.relief.extend(relief);
+            values.driver_positions.extend(support.positions);
+            values.driver_normals.extend(support.normals);
+        });
         values.upper = self.upper.as_deref().map(|upper| {
             // A layer that moves together with another one lies on it alone.
             let PosedSurface {
@@ -231,7 +241,7 @@ impl LayerView<'_> {
                 normals,
                 tangents,
             };
-            let positions = sums(&above.positions, &shape.upper_deviations);
+            let positions = sums(&above.positions, &upper_deviations);
             let relief = shown_positions(&positions, &above, &above, &weights);
             [positions, relief]
         });
@@ -301,10 +311,9 @@ impl LayerView<'_> {
 }
 
 impl OnOutput<'_> {
-    /// Weights of the relief over a surface with these `normals`, with the present strain.
-    fn weights(&self, normals: &[Vector3<f64>]) -> Vec<f64> {
-        let asked = (self.shape.demands.as_slice(), normals);
-        shown_weights(&self.weights, &self.mesh.skin, asked)
+    /// Weights of the relief over a surface with these `normals` that asks for this.
+    fn weights(&self, demands: &[VertexDemand], normals: &[Vector3<f64>]) -> Vec<f64> {
+        shown_weights(&self.weights, &self.mesh.skin, (demands, normals))
     }
 }
 

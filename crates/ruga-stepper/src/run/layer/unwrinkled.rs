@@ -60,12 +60,12 @@ impl Layer {
         let poisson = self.spec.material.poisson;
         let mesh = &self.skin.mesh;
         let areas = face_areas(mesh, &self.skin.rest.positions);
-        let critical = |face: FaceId| self.properties.faces[face].wrinkling.critical_strain;
+        let critical = |face: FaceId| self.properties.on_face(face).wrinkling.critical_strain;
         let strain = |face: FaceId| self.strains[face].effective(poisson);
         let is_expected = |face: FaceId| strain(face) > EXPECTED * critical(face);
         let heights = self.heights();
         let is_in_wrinkle = |face: FaceId| {
-            let wrinkling = &self.properties.faces[face].wrinkling;
+            let wrinkling = &self.properties.on_face(face).wrinkling;
             // Beyond the cap the layer feels hardly more. Where its critical strain is near the cap
             // itself, the predicted amplitude would be zero there, and any noise a wrinkle.
             let effective = strain(face).min(CAP_START);
@@ -81,7 +81,7 @@ impl Layer {
             .ids()
             .filter(|f| is_expected(*f) && is_in_wrinkle(*f));
         let crests = crests.flat_map(|face| mesh.faces()[face]);
-        let waves = self.properties.vertices.iter();
+        let waves = self.properties.at_vertices();
         let waves: Vec<f64> = waves.map(|local| local.wrinkling.wavelength).collect();
         let furthest = AWAY * waves.iter().copied().fold(0.0, f64::max);
         let away = edge_distances(mesh, &self.skin.rest.positions, crests, furthest);
@@ -98,7 +98,7 @@ impl Layer {
             };
             Patch {
                 area: faces.iter().map(|f| areas[*f]).sum(),
-                wavelength: median(&|f| self.properties.faces[f].wrinkling.wavelength),
+                wavelength: median(&|f| self.properties.on_face(f).wrinkling.wavelength),
                 critical_strain: median(&critical),
                 strain: median(&strain),
                 faces,

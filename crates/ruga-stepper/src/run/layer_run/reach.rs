@@ -141,7 +141,7 @@ impl<'a> LayerRun<'a> {
             if self.patches.is_none() && self.layer.strain_ratio() > 1.0 {
                 self.patches = self.patches_of(Width::Narrow);
                 if self.patches.is_some() {
-                    self.kkt = None;
+                    (self.kkt, self.wide) = (None, None);
                     self.layer.release_pattern();
                 }
             }
