@@ -13,7 +13,7 @@ use crate::parameters::{check_finite, check_length};
 use crate::shared_out::{for_each_mut, numbered, values};
 use crate::sheet::Sheet;
 use crate::stencil::FaceCorner;
-use crate::{EnergyParts, FaceParameters, LineAnchor, RestTriangle, ShellError};
+use crate::{EnergyParts, LineAnchor, RestTriangle, ShellError};
 
 /// Tolerance on the length of a base normal.
 const UNIT_TOLERANCE: f64 = 1e-6;
@@ -117,7 +117,7 @@ impl LayerFoundation {
         let (parameters, area_left) = (sheet.parameters(), sheet.area_left());
         self.normal = numbered(faces.len(), |face| {
             // What is gone is held by nothing.
-            let p: &FaceParameters = &parameters[face];
+            let p = &parameters[face];
             let stiffness = [p.normal_stiffness, p.gradient_stiffness];
             let [normal, gradient] = stiffness.map(|k| area_left[face] * k);
             NormalFoundation::new(&rest[face], normal, gradient)

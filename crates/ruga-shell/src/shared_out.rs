@@ -14,9 +14,18 @@ const AT_ONCE: usize = 1 << 10;
 
 /// Changes every element, on all threads of the pool that this is called in, if any.
 pub(crate) fn for_each_mut<T: Send>(elements: &mut [T], change: impl Fn(&mut T) + Send + Sync) {
+    for_each_numbered_mut(elements, |_, element| change(element));
+}
+
+/// The same by what depends on the element's number, too.
+pub(crate) fn for_each_numbered_mut<T: Send>(
+    elements: &mut [T],
+    change: impl Fn(usize, &mut T) + Send + Sync,
+) {
+    let change = |(i, element): (usize, &mut T)| change(i, element);
     match rayon::current_thread_index() {
-        Some(_) => elements.par_iter_mut().for_each(change),
-        None => elements.iter_mut().for_each(change),
+        Some(_) => elements.par_iter_mut().enumerate().for_each(change),
+        None => elements.iter_mut().enumerate().for_each(change),
     }
 }
 
@@ -28,17 +37,14 @@ pub(crate) fn values<T: Sync, R: Send>(
     numbered(elements.len(), |i| value(&elements[i]))
 }
 
-/// The values of so many elements, by their numbers.
-pub(crate) fn numbered<R: Send>(
-    elements: usize,
-    value: impl Fn(usize) -> R + Send + Sync,
-) -> Vec<R> {
-    match is_shared_out(elements) {
+/// The values of `count` elements, each found from its number.
+pub(crate) fn numbered<R: Send>(count: usize, value: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
+    match is_shared_out(count) {
         true => {
-            let elements = (0..elements).into_par_iter().with_min_len(AT_ONCE);
-            elements.map(value).collect()
+            let numbers = (0..count).into_par_iter().with_min_len(AT_ONCE);
+            numbers.map(value).collect()
         }
-        false => (0..elements).map(value).collect(),
+        false => (0..count).map(value).collect(),
     }
 }
 

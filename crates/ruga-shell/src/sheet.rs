@@ -9,7 +9,7 @@ use ruga_mesh::{BlockPattern, EdgeId, TriMesh};
 use crate::layer_bending::{LayerBending, inner_edges};
 use crate::layer_part::{PartNumbers, pick, rank};
 use crate::membrane::{Membrane, Stress};
-use crate::shared_out::{in_order, numbered};
+use crate::shared_out::{for_each_numbered_mut, in_order, numbered};
 use crate::sheet_slots::SheetSlots;
 use crate::stars::stars;
 use crate::stencil::{add_blocks, gather};
@@ -61,6 +61,7 @@ impl Sheet {
         let rest = numbered(faces.len(), |face| {
             RestTriangle::new(&gather(positions, &faces[face]), face)
         });
+        // Of several errors the first is told, whichever thread was first.
         let rest = rest.into_iter().collect::<Result<Vec<_>, _>>()?;
         let area_left = vec![1.0; faces.len()];
         let mut this = Self {
@@ -154,6 +155,7 @@ impl Sheet {
         let stretched = numbered(stretches.len(), |face| {
             self.unstretched[face].stretched(&stretches[face], face)
         });
+        // Of several errors the first is told, whichever thread was first.
         stretched.into_iter().collect()
     }
 
@@ -193,8 +195,8 @@ impl Sheet {
 
     /// Sets every face's Green strain without stress.
     pub(crate) fn set_natural_strains(&mut self, strains: &[Matrix2<f64>]) {
-        self.membranes = numbered(self.membranes.len(), |face| {
-            self.membranes[face].with_natural_strain(strains[face])
+        for_each_numbered_mut(&mut self.membranes, |face, membrane| {
+            *membrane = membrane.with_natural_strain(strains[face]);
         });
     }
 

@@ -20,8 +20,8 @@ const OVERLAPPED: f64 = 1.5;
 /// reached.
 const IN_PATCHES: f64 = 1e4;
 /// Bytes for every vertex of a layer so large that its patches are set up when it is their turn: from the upper one of
-/// two layers under raised brows, which has 906 thousand and takes 4.0 GB on two threads.
-const IN_WIDE_PATCHES: f64 = 4.6e3;
+/// two layers under raised brows, which has 906 thousand and takes 3.9 GB on two threads.
+const IN_WIDE_PATCHES: f64 = 4.3e3;
 /// Bytes of the program with its scene: of the forearm 80 million, of a face with 55 shapes 140.
 const BASE: f64 = 1.1e8;
 
@@ -70,7 +70,7 @@ pub(crate) struct Load {
 /// takes to bake them is not counted. Of the lowest layer all memory is added up, though what it is solved with is given
 /// back before its surfaces are made, and output meshes that are fine across the waves alone have fewer vertices: 590 MB
 /// for a smile that takes 490. Layers on others take what solves them or what shows them: raised brows of 906 thousand
-/// vertices 4.0 GB, for which 5.4 are told.
+/// vertices 3.9 GB, for which 5.1 are told.
 pub(crate) fn cost(
     (vertices, is_lowest): (usize, bool),
     most_in_whole: usize,

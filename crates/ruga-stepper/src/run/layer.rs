@@ -45,7 +45,7 @@ use pulls::ToldPulls;
 pub(crate) use absorption::Absorption;
 pub(crate) use load::LayerState;
 pub(crate) use output::{OnOutput, Output, OutputMesh, Unmade};
-pub(crate) use snapshot::LayerView;
+pub(crate) use snapshot::{LayerView, Shape};
 
 /// Levenberg damping in units of `K0 V_i`: keeps modes that slide along themselves from having a
 /// random sign, and is far below what any wrinkle feels.
@@ -111,9 +111,9 @@ pub(crate) struct Layer {
     solid: Option<Solid>,
     /// Whether the energy's rest metric may differ from the rest surface's.
     is_metric_changed: bool,
-    /// Normals of a body's surface that the energy stands on.
+    /// Normals of a body's surface that the energy stands on; empty on a driver.
     held_normals: Vec<Vector3<f64>>,
-    /// Factors of the energy's rest lengths on a body, per face.
+    /// Factors of the energy's rest lengths on a body, per face; empty on a driver.
     held_ratios: Vec<f64>,
     /// Dead load on the coordinates that move, N.
     reaction: Vec<f64>,

@@ -290,7 +290,9 @@ impl<'a> LayerRun<'a> {
     /// Patches of the layer, where it is large enough for such ones.
     fn patches_of(&self, width: Width) -> Option<Patches> {
         let most_in_whole = self.modelling.most_in_whole(self.points);
-        self.layer.patches((self.points, most_in_whole), width)
+        let others = self.wide.as_ref().or(self.patches.as_ref());
+        self.layer
+            .patches((self.points, most_in_whole), width, others)
     }
 
     /// Gives back matrix and factor of the whole and what narrow patches are set up with, which the next solve makes

@@ -7,7 +7,9 @@ use ruga_crease::TracedLine;
 use crate::error::Halt;
 use crate::preparing::Preparing;
 use crate::run::adaptivity::{Fitting, SizingRequest};
-use crate::run::layer::{Layer, LayerOptions, LayerView, OnOutput, Output, OutputMesh, Unmade};
+use crate::run::layer::{
+    Layer, LayerOptions, LayerView, OnOutput, Output, OutputMesh, Shape, Unmade,
+};
 use crate::run::layer_run::LayerRun;
 use crate::run::low_pass_rows::RowCentre;
 use crate::run::stack_run::StackRun;
@@ -129,7 +131,7 @@ impl<'a> StackRun<'a> {
         (index, output): (usize, Output),
         view: &LayerView<'_>,
         observer: &mut dyn Observer,
-    ) -> Result<Option<OnOutput<'static>>, StepperError> {
+    ) -> Result<Option<(OnOutput<'static>, Shape)>, StepperError> {
         let preparing = &mut Preparing::new(observer, index, Phase::Sampling);
         let shown = match output {
             Output::Made(shown) => Ok(*shown),

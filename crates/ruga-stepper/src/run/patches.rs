@@ -19,6 +19,8 @@ mod sweep;
 mod width;
 mod work;
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 use rayon::prelude::*;
 use ruga_mesh::TriMesh;
@@ -57,7 +59,7 @@ const PASSED: f64 = 10.0;
 
 /// The patches of a layer's mesh.
 pub(crate) struct Patches {
-    index: PartIndex,
+    index: Arc<PartIndex>,
     patches: Vec<Patch>,
     order: Order,
     width: Width,
@@ -136,11 +138,13 @@ impl Whole<'_> {
 
 impl Patches {
     /// Divides the free vertices of a layer that asks for so many `points` per wavelength, at `positions` at rest
-    /// (m), into patches that reach into each other; `None` where one would do, or for a layer of two sheets.
+    /// (m), into patches that reach into each other; `None` where one would do, or for a layer of two sheets. What they
+    /// need to know of the whole is shared with `others` of the same layer.
     pub(crate) fn new(
         (mesh, positions): (&TriMesh, &[Vector3<f64>]),
         (energy, rows): (&LayerEnergy, &ConstraintRows),
         (points, most_in_whole, width): (f64, usize, Width),
+        others: Option<&Self>,
     ) -> Option<Self> {
         let free = energy.free_vertices();
         let most = width.core(most_in_whole);
@@ -148,7 +152,10 @@ impl Patches {
             return None;
         }
         // Of two sheets there are no parts, and the upper one's vertices have no places in the mesh.
-        let index = PartIndex::new(energy)?;
+        let index = match others {
+            Some(others) => Arc::clone(&others.index),
+            None => Arc::new(PartIndex::new(energy)?),
+        };
         let overlap = (width.overlap() * points).max(LEAST_OVERLAP);
         let cores = divided(positions, free.to_vec(), most);
         let near = Neighbourhood::new(mesh);
@@ -206,7 +213,7 @@ impl Patches {
         let mut done = Work::default();
         let (mut before, mut sweeps) = (f64::INFINITY, 0);
         let (mut is_ahead, mut is_closing) = (false, false);
-        let (index, keeps) = (&self.index, self.keeps);
+        let (index, keeps) = (&*self.index, self.keeps);
         let later = NewtonSettings {
             energy_tolerance: settings.energy_tolerance.max(LITTLE),
             ..settings.clone()
@@ -432,7 +439,7 @@ mod tests {
         let divided = |energy: &LayerEnergy| {
             let rows = ConstraintRows::none(energy.dof_count());
             let asked = (6.0, 30, Width::Narrow);
-            Patches::new((&mesh, &rest), (energy, &rows), asked).is_some()
+            Patches::new((&mesh, &rest), (energy, &rows), asked, None).is_some()
         };
         let single = LayerEnergy::with_bending(&mesh, &rest, parameters.clone(), &held, model);
         assert!(divided(&single.expect("a layer")));

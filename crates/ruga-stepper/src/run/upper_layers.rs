@@ -7,7 +7,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::error::Halt;
-use crate::run::layer::{Layer, LayerView, OnOutput};
+use crate::run::layer::{Layer, LayerView, OnOutput, Shape};
 use crate::run::layer_run::{Ending, LayerRun, Loading};
 use crate::run::layer_setup::OutputEdges;
 use crate::run::stack_run::{LoadPoint, StackRun};
@@ -248,13 +248,12 @@ impl<'a> StackRun<'a> {
     fn snapshots(
         &self,
         index: usize,
-        (layer, mut on_output): (&LayerView<'_>, OnOutput<'_>),
+        (layer, (on_output, shape)): (&LayerView<'_>, (OnOutput<'_>, Shape)),
         support: &dyn Support,
         lower: &[LowerLayer<'_>],
     ) -> Vec<LayerSurface> {
         let driver = self.plan.driver.as_ref();
         let attachment = self.plan.stacking.attachments[index];
-        let shape = on_output.take_shape();
         let below = |lower: &[LowerLayer<'_>]| {
             SurfaceBelow::new((driver, support), &on_output.mesh.skin, attachment, lower)
         };

@@ -50,14 +50,13 @@ impl SkinProperties {
         let (vertices, faces) = (skin.mesh.vertex_count(), skin.mesh.face_count());
         if spec.map.is_none() && spec.variation.is_none() {
             // An upper layer's tangential stiffness is among the nominal numbers already.
-            let everywhere = LocalSkin {
+            let local = LocalSkin {
                 material: spec.material,
                 wrinkling: *nominal,
             };
-            return Ok(Self {
-                vertices: LocalSkins::Even(everywhere, vertices),
-                faces: LocalSkins::Even(everywhere, faces),
-            });
+            let [vertices, faces] =
+                [vertices, faces].map(|count| LocalSkins::Even { local, count });
+            return Ok(Self { vertices, faces });
         }
         let relative = relative_at_vertices(spec, driver, skin);
         let local = |relative: &RelativeProperties| -> Result<LocalSkin, StepperError> {

@@ -1,28 +1,35 @@
-//! What a layer is made of at all places of a mesh.
+//! Material and wrinkling at many places, kept once where they are the same.
 
 use crate::skin::local_skin::LocalSkin;
 
-/// The layer at places with numbers.
+/// Material and wrinkling of a layer at numbered places: the vertices or the faces of a mesh.
+///
+/// Most layers are even, and a list of what they are everywhere would be a fifteenth of the memory that they take while
+/// they are solved.
 #[derive(Clone, Debug)]
 pub(crate) enum LocalSkins {
-    /// The same at so many places. A list of it took a fifteenth of a layer's memory.
-    Even(LocalSkin, usize),
+    /// The same at all `count` places.
+    Even { local: LocalSkin, count: usize },
+    /// Something else at every place.
     Uneven(Vec<LocalSkin>),
 }
 
 impl LocalSkins {
-    /// The layer at one of them.
+    /// Material and wrinkling at one place.
     pub(crate) fn at(&self, place: usize) -> &LocalSkin {
         match self {
-            Self::Even(local, _) => local,
+            Self::Even { local, count } => {
+                debug_assert!(place < *count, "place {place} of {count}");
+                local
+            }
             Self::Uneven(locals) => &locals[place],
         }
     }
 
-    /// The layer at all of them, in their order.
+    /// Material and wrinkling at all places, ascending.
     pub(crate) fn all(&self) -> impl ExactSizeIterator<Item = &LocalSkin> + Clone {
         let count = match self {
-            Self::Even(_, count) => *count,
+            Self::Even { count, .. } => *count,
             Self::Uneven(locals) => locals.len(),
         };
         (0..count).map(|place| self.at(place))

@@ -82,11 +82,13 @@ impl Layer {
     }
 
     /// Divides the layer, which asks for so many `points` per wavelength, into patches; `None` where it is too small
-    /// for that, with `most_in_whole` vertices solved as a whole, has two sheets or moves together with a body.
+    /// for that, with `most_in_whole` vertices solved as a whole, has two sheets or moves together with a body. There
+    /// may be `others` of another width.
     pub(crate) fn patches(
         &self,
         (points, most_in_whole): (f64, usize),
         width: Width,
+        others: Option<&Patches>,
     ) -> Option<Patches> {
         if self.solid.is_some() || !width.suits(self.free.len(), most_in_whole) {
             return None;
@@ -96,6 +98,7 @@ impl Layer {
             mesh,
             (&self.energy, &self.rows),
             (points, most_in_whole, width),
+            others,
         )
     }
 

@@ -51,12 +51,10 @@ pub(crate) struct Shown {
     pub(super) unmade: Option<Arc<Unmade>>,
 }
 
-/// The output mesh of a layer, and what is known of the layer at its vertices.
+/// The output mesh of a layer, and the weights of the relief at its vertices.
 pub(crate) struct OnOutput<'o> {
     pub(crate) mesh: Cow<'o, RegionMesh>,
-    /// Weights of the relief.
     pub(super) weights: Cow<'o, ReliefWeights>,
-    pub(super) shape: Shape,
 }
 
 impl Output {
@@ -83,14 +81,9 @@ impl Output {
 }
 
 impl OnOutput<'_> {
-    /// What is known of the layer at its vertices, which is forgotten here.
-    pub(crate) fn take_shape(&mut self) -> Shape {
-        std::mem::take(&mut self.shape)
-    }
-
     /// Triangles as results have them. A mesh that nothing else will be shown on is given up on the way.
     pub(super) fn into_faces(self, driver: &Driver) -> ShownFaces {
-        let Self { mesh, weights, .. } = self;
+        let Self { mesh, weights } = self;
         drop(weights);
         match mesh {
             Cow::Borrowed(mesh) => mesh.shown(driver).clone(),
@@ -123,17 +116,17 @@ impl Shown {
         })
     }
 
-    /// The output mesh with what the `view` shows of the layer at its vertices.
-    fn of(&self, view: &LayerView<'_>) -> OnOutput<'_> {
-        OnOutput {
-            shape: view.shape.on_output(self.interpolation.as_ref()),
+    /// The output mesh, and what the `view` shows of the layer at its vertices.
+    fn of(&self, view: &LayerView<'_>) -> (OnOutput<'_>, Shape) {
+        let on_output = OnOutput {
             mesh: Cow::Borrowed(&self.region),
             weights: Cow::Borrowed(&self.weights),
-        }
+        };
+        (on_output, view.shape.on_output(self.interpolation.as_ref()))
     }
 
-    /// The output mesh with what the `view` shows of the layer at its vertices, where nothing else will be shown on it.
-    pub(crate) fn last_of(self, view: &LayerView<'_>) -> OnOutput<'static> {
+    /// The output mesh, and what the `view` shows of the layer at its vertices, where nothing else will be shown on it.
+    pub(crate) fn last_of(self, view: &LayerView<'_>) -> (OnOutput<'static>, Shape) {
         let Self {
             mut region,
             weights,
@@ -143,11 +136,11 @@ impl Shown {
         let shape = view.shape.on_output(interpolation.as_ref());
         // Only a layer that is solved on a mesh turns with these.
         region.skin.rest.tangents = Vec::new();
-        OnOutput {
-            shape,
+        let on_output = OnOutput {
             mesh: Cow::Owned(region),
             weights: Cow::Owned(weights),
-        }
+        };
+        (on_output, shape)
     }
 }
 
@@ -186,7 +179,7 @@ impl Layer {
     ///
     /// # Panics
     /// As [`Self::region`].
-    pub(crate) fn on_output(&self, view: &LayerView<'_>) -> OnOutput<'_> {
+    pub(crate) fn on_output(&self, view: &LayerView<'_>) -> (OnOutput<'_>, Shape) {
         self.shown().of(view)
     }
 

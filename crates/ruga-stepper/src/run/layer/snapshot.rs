@@ -43,7 +43,7 @@ pub(crate) struct LayerView<'l> {
 }
 
 /// Where a layer is on what lies below it, and what that asks of it, at the vertices of a mesh.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 pub(crate) struct Shape {
     /// Displacements of the vertices from where they would be without wrinkles, m.
     deviations: Vec<Vector3<f64>>,
@@ -187,8 +187,8 @@ impl LayerView<'_> {
         Shown::new(driver, layer, made, false, preparing)
     }
 
-    /// The layer as results have it on its output mesh, in the shape that was taken from there, and one that moves
-    /// together with it, over what is below that mesh: `real`, or as maps show it, if that is something else.
+    /// The layer as results have it on its output mesh, in a shape at the vertices of that, and one that moves together
+    /// with it, over what is below that mesh: `real`, or as maps show it, if that is something else.
     pub(crate) fn values(
         &self,
         (on_output, shape): (&OnOutput<'_>, Shape),
@@ -200,7 +200,7 @@ impl LayerView<'_> {
             demands,
         } = shape;
         let weights = on_output.weights(&demands, &real.normals());
-        // The lists made below take more memory than most else that is here.
+        // Before the lists below are made, when memory is most.
         drop(demands);
         let of_part = |vertices: Range<usize>| {
             let (support, real) = real.at(vertices.clone()).lifted_over_support();
@@ -311,7 +311,7 @@ impl LayerView<'_> {
 }
 
 impl OnOutput<'_> {
-    /// Weights of the relief over a surface with these `normals` that asks for this.
+    /// Weights of the relief over a surface with these `normals` that asks for these `demands`.
     fn weights(&self, demands: &[VertexDemand], normals: &[Vector3<f64>]) -> Vec<f64> {
         shown_weights(&self.weights, &self.mesh.skin, (demands, normals))
     }

@@ -141,7 +141,7 @@ impl<'a> LayerRun<'a> {
             if self.patches.is_none() && self.layer.strain_ratio() > 1.0 {
                 self.patches = self.patches_of(Width::Narrow);
                 if self.patches.is_some() {
-                    (self.kkt, self.wide) = (None, None);
+                    self.kkt = None;
                     self.layer.release_pattern();
                 }
             }
@@ -152,8 +152,8 @@ impl<'a> LayerRun<'a> {
             let onset = pose_fraction * ratios.onset();
             let limits: PerFace<f64> = felt.iter().map(|(_, felt)| limit(*felt)).collect();
             let wanted = ratios.all();
-            let largest = ratios.largest();
-            let most_felt = felt.as_slice().iter().copied().fold(0.0, f64::max);
+            let [largest, most_felt] = [&wanted, &felt]
+                .map(|ratios| ratios.as_slice().iter().copied().fold(0.0, f64::max));
             let is_last = wanted
                 .iter()
                 .all(|(face, wanted)| *wanted <= EXCESS * limits[face]);
