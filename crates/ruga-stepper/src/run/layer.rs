@@ -258,6 +258,10 @@ impl Layer {
             None => low_pass.rows,
         };
         preparing.step()?;
+        let (held_normals, held_ratios) = match &solid {
+            Some(_) => (rest.normals.clone(), vec![1.0; skin.mesh.face_count()]),
+            None => (Vec::new(), Vec::new()),
+        };
         let mut layer = Self {
             spec: spec.clone(),
             wrinkling: *wrinkling,
@@ -270,14 +274,8 @@ impl Layer {
                 growth: None,
             }),
             fractions: PerFace::filled(skin.mesh.face_count(), 1.0),
-            held_normals: match &solid {
-                Some(_) => rest.normals.clone(),
-                None => Vec::new(),
-            },
-            held_ratios: match &solid {
-                Some(_) => vec![1.0; skin.mesh.face_count()],
-                None => Vec::new(),
-            },
+            held_normals,
+            held_ratios,
             velocities: Vec::new(),
             crease_strengths: CreaseStrengths::default(),
             bands: Bands::new(spec, &skin, &properties),

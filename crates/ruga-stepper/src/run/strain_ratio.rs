@@ -75,8 +75,7 @@ impl StrainRatios<'_> {
 
     /// The largest ratio of all faces.
     pub(crate) fn largest(&self) -> f64 {
-        // Tension, whose ratio is negative, asks for nothing.
-        self.all().as_slice().iter().copied().fold(0.0, f64::max)
+        largest(&self.all())
     }
 
     /// The fractions of the faces' applied strains at which their ratios are what is `wanted` of each, above 0; all of
@@ -139,6 +138,12 @@ impl StrainRatios<'_> {
         };
         self.strains.ids().map(of_face).sum()
     }
+}
+
+/// The largest of some ratios.
+pub(crate) fn largest(ratios: &PerFace<f64>) -> f64 {
+    // Tension, whose ratio is negative, asks for nothing.
+    ratios.as_slice().iter().copied().fold(0.0, f64::max)
 }
 
 /// The strains of the surface below on every face, the untransferred part of its bending taken away.

@@ -12,6 +12,7 @@ use ruga_solver::{AtSaddle, StopRule};
 use super::{Accuracy, Ending, LayerRun, Loading};
 use crate::preparing::Preparing;
 use crate::run::patches::Width;
+use crate::run::strain_ratio::largest;
 use crate::{Observer, Phase, StepperError};
 
 /// Largest strain ratio of a face that has been below 1: as far above the onset as the critical wave is
@@ -152,8 +153,7 @@ impl<'a> LayerRun<'a> {
             let onset = pose_fraction * ratios.onset();
             let limits: PerFace<f64> = felt.iter().map(|(_, felt)| limit(*felt)).collect();
             let wanted = ratios.all();
-            let [largest, most_felt] = [&wanted, &felt]
-                .map(|ratios| ratios.as_slice().iter().copied().fold(0.0, f64::max));
+            let (largest, most_felt) = (largest(&wanted), largest(&felt));
             let is_last = wanted
                 .iter()
                 .all(|(face, wanted)| *wanted <= EXCESS * limits[face]);
