@@ -138,7 +138,7 @@ impl Convexifier {
                 shift: 0.0,
             });
         }
-        if self.may_turn && excess(exact) <= MOST_TURNED && kkt.turn_negative_pivots() {
+        if self.may_turn && exact.excess() <= MOST_TURNED && kkt.turn_negative_pivots() {
             return Ok(Convexified {
                 exact,
                 relaxation: 0.0,
@@ -148,7 +148,7 @@ impl Convexifier {
         let hint = hint.or(self.may_turn.then_some(FIRST_GUESS));
         // A hint is tried as it is, because it may already be less than what is needed.
         let first = self.last.map(|last| self.expected(last)).or(hint);
-        let few = FEW_MODES.iter().find(|few| excess(exact) <= few.0);
+        let few = FEW_MODES.iter().find(|few| exact.excess() <= few.0);
         if let Some((&(_, little), first)) = few.zip(first)
             && little < first
             // What was not enough is not in the next iteration, either, as a rule.
@@ -170,7 +170,7 @@ impl Convexifier {
     /// Whether what follows the last saddle is one, too: it had so many modes that one step does not
     /// take them all. Every other time, so that the step that does is not missed for long.
     fn can_guess(&self) -> bool {
-        !self.is_guessed && self.exact.is_some_and(|exact| excess(exact) > MANY_MODES)
+        !self.is_guessed && self.exact.is_some_and(|exact| exact.excess() > MANY_MODES)
     }
 
     /// The relaxation to begin with where `last` was enough: a smaller one, unless that was in vain the last
@@ -365,11 +365,6 @@ impl Convexifier {
             other => other,
         }
     }
-}
-
-/// Modes of negative curvature of a Hessian that is no minimum's.
-fn excess(inertia: Inertia) -> usize {
-    inertia.negative.saturating_sub(inertia.rows)
 }
 
 /// The next smaller relaxation worth trying.

@@ -51,6 +51,11 @@ impl Inertia {
     pub fn is_minimum(&self) -> bool {
         self.negative == self.rows
     }
+
+    /// Number of modes of negative curvature on the null space of `H`.
+    pub fn excess(&self) -> usize {
+        self.negative.saturating_sub(self.rows)
+    }
 }
 
 /// The matrix `[K, H'; H, 0]` of one pattern and one set of rows, analysed once and factorised

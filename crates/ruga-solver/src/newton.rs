@@ -64,10 +64,10 @@ pub type Minimise = fn(
 /// Where the Hessian is indefinite on that space, only what the objective relaxes is left out, such as
 /// the compressive stress stiffness, and where that step gains hardly any energy the direction of negative
 /// curvature is searched as well; the solve stops as converged only where the exact Hessian has the
-/// inertia of a minimum, but for [`AtSaddle::Pass`]. `keep_going` sees every iteration and ends the solve by
-/// returning `false`; an iteration takes at most some 30 factorisations, where the Hessian's inertia is hard to
-/// mend, or twice as many where predicted stresses have to make way for those that are there. Same input, same
-/// bits.
+/// inertia of a minimum, but for saddles that may be [passed](AtSaddle::Pass). `keep_going` sees every
+/// iteration and ends the solve by returning `false`; an iteration takes at most some 30 factorisations, where the
+/// Hessian's inertia is hard to mend, or twice as many where predicted stresses have to make way for those that are
+/// there. Same input, same bits.
 ///
 /// # Errors
 /// [`SolverError::PatternMismatch`], [`SizeMismatch`](SolverError::SizeMismatch),
@@ -126,6 +126,8 @@ struct Newton<'a> {
     trial: Vec<f64>,
     multipliers: Vec<f64>,
     indefinite_iterations: usize,
+    /// Most modes of negative curvature that an iteration has found.
+    most_modes: usize,
     /// Iterations in a row whose Hessian only a diagonal mended.
     shifted_iterations: usize,
     /// A relaxation that may do for the first step.
@@ -172,6 +174,7 @@ impl<'a> Newton<'a> {
             multipliers: vec![0.0; rows],
             kkt,
             indefinite_iterations: 0,
+            most_modes: 0,
             shifted_iterations: 0,
             hint: Some(settings.first_relaxation).filter(|&hint| hint > 0.0),
             before: None,
@@ -379,6 +382,7 @@ impl<'a> Newton<'a> {
     fn record(&mut self, iteration: &Iteration, inertia: Inertia) {
         let indefinite = !inertia.is_minimum();
         self.indefinite_iterations += usize::from(indefinite);
+        self.most_modes = self.most_modes.max(inertia.excess());
         let report = &mut self.report;
         report.iterations = iteration.index + 1;
         report.residual = iteration.residual;

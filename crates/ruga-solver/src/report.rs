@@ -11,6 +11,10 @@ pub enum AtSaddle {
     /// a state that is only the start of the next solve. Where a pattern can slide along a flat valley its softest
     /// modes change sign again and again, and the way to the next minimum is long and worth nothing.
     Pass,
+    /// As [`Pass`](Self::Pass), once at most a tenth of the modes of negative curvature are left that the solve has
+    /// found at once: for one in which a pattern begins, from a state that is a saddle without any decrement. The last
+    /// few of many places would let all others wait, and the next solve finds them as well.
+    PassFew,
     /// Stop there with [`StopRule::Saddle`]: a probe for the onset of buckling.
     Stop,
 }
@@ -85,7 +89,7 @@ impl NewtonSettings {
 /// Why a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopRule {
-    /// The Newton decrement fell below its tolerance at a minimum, or with [`AtSaddle::Pass`] at a saddle: converged.
+    /// The Newton decrement fell below its tolerance at a minimum, or at a saddle that may be [passed](AtSaddle::Pass): converged.
     Decrement,
     /// The residual fell below its tolerance at a minimum: converged.
     Residual,
@@ -124,7 +128,7 @@ pub struct Iteration {
 /// How a solve went. Not converging is data, not an error.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SolveReport {
-    /// Whether a tolerance was met, at a minimum or with [`AtSaddle::Pass`] at a saddle.
+    /// Whether a tolerance was met, at a minimum or at a saddle that may be [passed](AtSaddle::Pass).
     pub converged: bool,
     /// Why the solve ended.
     pub stop: StopRule,

@@ -117,6 +117,77 @@ fn a_saddle_is_passed_where_little_is_to_be_gained() {
     assert!(x.abs() > 0.3, "{x}");
 }
 
+/// Of 30 double wells, 27 are a hundred times as deep as the others: these are left to the next solve. Where there are
+/// more shallow ones than a tenth, the solve goes on.
+#[test]
+fn the_last_few_modes_are_passed() {
+    for (shallow, left) in [(3, 3), (0, 0), (6, 0)] {
+        let depths = (0..30).map(|i| if i < shallow { 1e-2 } else { 1.0 });
+        let wells = Wells::new(depths.collect());
+        let settings = NewtonSettings {
+            at_saddle: AtSaddle::PassFew,
+            energy_tolerance: 1e-3,
+            ..NewtonSettings::default()
+        };
+        let mut kkt = Kkt::new(&wells.pattern, &ConstraintRows::none(30), 1).unwrap();
+        let mut x: Vec<f64> = (0..30).map(|i| 1e-6 * (1.0 + f64::from(i))).collect();
+        let goes_on = &mut |_: &Iteration| true;
+        let report = minimise(&wells, &[], &mut x, &mut kkt, &settings, goes_on).unwrap();
+        assert!(report.converged && report.left_saddle, "{report:?}");
+        assert_eq!(report.inertia.unwrap().excess(), left, "{shallow}");
+        for (i, x) in x[shallow..].iter().enumerate() {
+            assert!(
+                (x.abs() - 1.0).abs() < 0.02,
+                "{shallow}: deep well {i} at {x}"
+            );
+        }
+    }
+}
+
+/// Double wells with their lowest places at 1 and -1, of as much stiffness when relaxed.
+struct Wells {
+    depths: Vec<f64>,
+    pattern: LowerPattern,
+}
+
+impl Wells {
+    fn new(depths: Vec<f64>) -> Self {
+        let alone: Vec<[usize; 1]> = (0..depths.len()).map(|i| [i]).collect();
+        let lists = alone.iter().map(|i| i.as_slice());
+        Self {
+            pattern: LowerPattern::from_stencils(depths.len(), lists).unwrap(),
+            depths,
+        }
+    }
+}
+
+impl Objective for Wells {
+    fn pattern(&self) -> &LowerPattern {
+        &self.pattern
+    }
+    fn value(&self, x: &[f64]) -> f64 {
+        let wells = x.iter().zip(&self.depths);
+        wells
+            .map(|(x, d)| d * (0.25 * x.powi(4) - 0.5 * x * x))
+            .sum()
+    }
+    fn gradient(&self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        for ((gradient, x), d) in gradient.iter_mut().zip(x).zip(&self.depths) {
+            *gradient = d * (x.powi(3) - x);
+        }
+        self.value(x)
+    }
+    fn hessian(&self, x: &[f64], exact: &mut [f64], relaxed: &mut [f64]) {
+        for (i, (x, d)) in x.iter().zip(&self.depths).enumerate() {
+            exact[i] = d * (3.0 * x * x - 1.0);
+            relaxed[i] = 3.0 * d * x * x + 1.0;
+        }
+    }
+    fn force_scale(&self) -> f64 {
+        1.0
+    }
+}
+
 /// A solve that only a diagonal mends is stuck, also where it would pass a saddle.
 #[test]
 fn no_collapse_is_passed() {

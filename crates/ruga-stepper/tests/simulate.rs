@@ -7,10 +7,11 @@ use std::sync::Arc;
 use nalgebra::{Vector2, Vector3};
 use patch::{draft, driver, pose, skin};
 use ruga_blend::{ArtistMesh, BlendShape, Driver};
+use ruga_material::{PropertyImage, PropertyMap, Wrap};
 use ruga_solver::{SolveReport, minimise};
 use ruga_stepper::{
-    Coupling, Frame, Modelling, Observer, Phase, PoseResult, Preparation, Progress, Silent,
-    StepperError, plan,
+    Coupling, Frame, LayerSpec, Modelling, Observer, Phase, PoseResult, Preparation, Progress,
+    Silent, StepperError, plan,
 };
 
 fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
@@ -106,6 +107,31 @@ fn nothing_to_wrinkle_gives_keys_without_layers() {
 fn two_runs_give_the_same_bits() {
     let [a, b] = [0, 1].map(|_| run(Coupling::Hybrid, &draft(), &mut Silent));
     assert_eq!(a.keys[1].layers[0].positions, b.keys[1].layers[0].positions);
+}
+
+/// Skin without paint keeps its material once, painted skin at every place.
+#[test]
+fn paint_of_ones_is_as_good_as_none() {
+    let driver = driver();
+    let ones = PropertyImage {
+        width: 1,
+        height: 1,
+        values: vec![1.0],
+        range: [0.5, 1.0],
+    };
+    let paint = PropertyMap::new(None, None, Some(ones), Wrap::ClampToEdge).expect("a map");
+    let plain = skin("forehead-furrow", Coupling::Hybrid);
+    let painted = LayerSpec {
+        map: Some(Arc::new(paint)),
+        ..plain.clone()
+    };
+    let [plain, painted] = [plain, painted].map(|layer| {
+        let poses = [pose(&driver, "press", 1.0)];
+        let plan = plan(&driver, &[layer], &poses, &draft(), 1024).expect("a valid scene");
+        let result = plan.simulate(0, &mut Silent).expect("a valid scene");
+        result.keys[1].layers[0].positions.clone()
+    });
+    assert_eq!(plain, painted);
 }
 
 struct StopAt(usize);

@@ -8,6 +8,9 @@ const SADDLE_DECREMENT: f64 = 1e-3;
 /// Indefinite iterations after which [`AtSaddle::Stop`] waits for no small decrement any more.
 const SADDLE_ITERATIONS: usize = 5;
 
+/// Share of the modes of negative curvature that may be left with [`AtSaddle::PassFew`].
+const FEW: f64 = 0.1;
+
 /// Iterations in a row in which nothing but a diagonal mends the Hessian and hardly any energy is to be
 /// gained, after which a solve is stuck.
 const STUCK_ITERATIONS: usize = 5;
@@ -22,7 +25,7 @@ impl Newton<'_> {
         // No tolerance counts at a saddle that is not to be passed: a flat film under compression has no residual at all.
         if !inertia.is_minimum() {
             // A collapsed triangle is not passed: nothing but a diagonal mends it.
-            if self.settings.at_saddle == AtSaddle::Pass
+            if self.may_pass(inertia)
                 && self.shifted_iterations == 0
                 && iteration.decrement.max(gained) <= self.settings.energy_tolerance
             {
@@ -46,5 +49,14 @@ impl Newton<'_> {
         // A pattern that can slide along a curved valley keeps a residual of 1e-4 long after its
         // energy has stopped changing; the decrement sees that.
         (iteration.decrement <= self.settings.energy_tolerance).then_some(StopRule::Decrement)
+    }
+
+    /// Whether a saddle may be passed where there is little to be gained.
+    fn may_pass(&self, inertia: Inertia) -> bool {
+        match self.settings.at_saddle {
+            AtSaddle::Leave | AtSaddle::Stop => false,
+            AtSaddle::Pass => true,
+            AtSaddle::PassFew => inertia.excess() as f64 <= FEW * self.most_modes as f64,
+        }
     }
 }

@@ -164,12 +164,13 @@ impl<'a> LayerRun<'a> {
                 true => Accuracy::Result,
                 false => Accuracy::Passing,
             };
-            // The next solve goes on from a saddle as well as from a minimum. Not where wrinkles begin: there their
-            // energy is still to be gained, though not by the first steps, and far above its onset a film that was
-            // left flat would wrinkle with another wavelength.
+            // The next solve goes on from a saddle as well as from a minimum. Where wrinkles begin only the last few
+            // places are left to it: their energy is still to be gained, though not by the first steps, and far above
+            // its onset a film that was left flat would wrinkle with another wavelength.
             let begins = |(face, wanted): (_, &f64)| begins(felt[face], *wanted);
-            let at_saddle = match is_last || wanted.iter().any(begins) {
-                true => AtSaddle::Leave,
+            let at_saddle = match wanted.iter().any(begins) {
+                _ if is_last => AtSaddle::Leave,
+                true => AtSaddle::PassFew,
                 false => AtSaddle::Pass,
             };
             // These are not needed while the layer is solved, when memory is most.

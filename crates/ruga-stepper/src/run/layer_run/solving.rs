@@ -72,7 +72,9 @@ impl LayerRun<'_> {
             // A pattern that has only moved takes what it took before. A probe searches anew,
             // because the least convexification is what picks the mode that buckles first.
             first_relaxation: match at_saddle {
-                AtSaddle::Leave | AtSaddle::Pass => SLOWLY_LESS * self.relaxation,
+                AtSaddle::Leave | AtSaddle::Pass | AtSaddle::PassFew => {
+                    SLOWLY_LESS * self.relaxation
+                }
                 AtSaddle::Stop => 0.0,
             },
             // Obstacles push from one side only, and where they do the energy shortens steps too

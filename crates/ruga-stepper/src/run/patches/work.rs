@@ -44,10 +44,7 @@ impl Work {
         let failed = last().find(|report| !report.converged);
         let most = |of: fn(&SolveReport) -> f64| last().map(of).fold(0.0, f64::max);
         let inertias: Option<Vec<Inertia>> = last().map(|report| report.inertia).collect();
-        let excess = |all: Vec<Inertia>| -> usize {
-            let each = all.iter();
-            each.map(|one| one.negative.saturating_sub(one.rows)).sum()
-        };
+        let excess = |all: Vec<Inertia>| -> usize { all.iter().map(Inertia::excess).sum() };
         SolveReport {
             converged: stop.is_none() && failed.is_none(),
             stop: stop.unwrap_or(failed.map_or(StopRule::Decrement, |report| report.stop)),
