@@ -1,5 +1,5 @@
 //! Minimises an energy of many unknowns under linear constraints: an [`Objective`] and rows
-//! `H x = b` go in, a minimum (not a saddle) and a [`SolveReport`] come out.
+//! `H x = b` go in, a minimum (a saddle only where [`AtSaddle`] allows one) and a [`SolveReport`] come out.
 //!
 //! An [`Objective`] gives energy, gradient and Hessian in a [`LowerPattern`]; [`Kkt`] analyses
 //! that pattern together with the [`ConstraintRows`] once and factorises it in place;
@@ -15,7 +15,7 @@
 //!
 //! by an `L D L'` factorisation of the quasi-definite regularisation of the matrix
 //! (Vanderbei 1995). The signs of `D` are its inertia: as many negative pivots as rows mean a
-//! minimum, more mean a saddle (Gould 1985), which is left along negative curvature. All threads of
+//! minimum, more mean a saddle (Gould 1985), from which negative curvature leads down. All threads of
 //! the rayon pool that it is called in factorise, with the same bits on any number of them.
 //!
 //! Unknowns are lengths in m, energies in J, forces in N, stiffnesses in N/m; all tolerances

@@ -11,9 +11,9 @@ pub enum AtSaddle {
     /// a state that is only the start of the next solve. Where a pattern can slide along a flat valley its softest
     /// modes change sign again and again, and the way to the next minimum is long and worth nothing.
     Pass,
-    /// As [`Pass`](Self::Pass), once at most a tenth of the modes of negative curvature are left that the solve has
-    /// found at once: for one in which a pattern begins, from a state that is a saddle without any decrement. The last
-    /// few of many places would let all others wait, and the next solve finds them as well.
+    /// Like [`Pass`](Self::Pass), but only once at most a tenth is left of the most modes of negative curvature that
+    /// one iteration of this solve has found: for a solve in which a pattern begins, whose start is a saddle without
+    /// any decrement. What is left is for the caller to find with another solve.
     PassFew,
     /// Stop there with [`StopRule::Saddle`]: a probe for the onset of buckling.
     Stop,
@@ -89,7 +89,8 @@ impl NewtonSettings {
 /// Why a solve ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StopRule {
-    /// The Newton decrement fell below its tolerance at a minimum, or at a saddle that may be [passed](AtSaddle::Pass): converged.
+    /// The Newton decrement fell below its tolerance at a minimum, or at a saddle that may be
+    /// [passed](AtSaddle::Pass): converged.
     Decrement,
     /// The residual fell below its tolerance at a minimum: converged.
     Residual,

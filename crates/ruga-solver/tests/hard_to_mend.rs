@@ -117,11 +117,11 @@ fn a_saddle_is_passed_where_little_is_to_be_gained() {
     assert!(x.abs() > 0.3, "{x}");
 }
 
-/// Of 30 double wells, 27 are a hundred times as deep as the others: these are left to the next solve. Where there are
-/// more shallow ones than a tenth, the solve goes on.
+/// Of 30 double wells three are a hundred times as shallow as the others, and are left to the next solve. Where there
+/// are more of them than a tenth, the solve goes on.
 #[test]
 fn the_last_few_modes_are_passed() {
-    for (shallow, left) in [(3, 3), (0, 0), (6, 0)] {
+    for shallow in [3, 0, 6] {
         let depths = (0..30).map(|i| if i < shallow { 1e-2 } else { 1.0 });
         let wells = Wells::new(depths.collect());
         let settings = NewtonSettings {
@@ -134,7 +134,11 @@ fn the_last_few_modes_are_passed() {
         let goes_on = &mut |_: &Iteration| true;
         let report = minimise(&wells, &[], &mut x, &mut kkt, &settings, goes_on).unwrap();
         assert!(report.converged && report.left_saddle, "{report:?}");
-        assert_eq!(report.inertia.unwrap().excess(), left, "{shallow}");
+        let left = report.inertia.unwrap().excess();
+        assert!(left <= 3, "{shallow}: {left} are left");
+        assert!(shallow != 3 || left == 3, "{left} are left");
+        let report = minimise(&wells, &[], &mut x, &mut kkt, &settings, goes_on).unwrap();
+        assert!(report.inertia.unwrap().is_minimum(), "{report:?}");
         for (i, x) in x[shallow..].iter().enumerate() {
             assert!(
                 (x.abs() - 1.0).abs() < 0.02,
@@ -144,7 +148,7 @@ fn the_last_few_modes_are_passed() {
     }
 }
 
-/// Double wells with their lowest places at 1 and -1, of as much stiffness when relaxed.
+/// Double wells with their lowest places at 1 and -1, relaxed to a stiffness of 1 at `x = 0` whatever their depth.
 struct Wells {
     depths: Vec<f64>,
     pattern: LowerPattern,

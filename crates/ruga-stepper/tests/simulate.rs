@@ -109,7 +109,7 @@ fn two_runs_give_the_same_bits() {
     assert_eq!(a.keys[1].layers[0].positions, b.keys[1].layers[0].positions);
 }
 
-/// Skin without paint keeps its material once, painted skin at every place.
+/// Properties painted with 1 give the same bits as no paint, though the material is then kept at every place.
 #[test]
 fn paint_of_ones_is_as_good_as_none() {
     let driver = driver();
@@ -119,7 +119,13 @@ fn paint_of_ones_is_as_good_as_none() {
         values: vec![1.0],
         range: [0.5, 1.0],
     };
-    let paint = PropertyMap::new(None, None, Some(ones), Wrap::ClampToEdge).expect("a map");
+    let paint = PropertyMap::new(
+        Some(ones.clone()),
+        Some(ones.clone()),
+        Some(ones),
+        Wrap::ClampToEdge,
+    )
+    .expect("a map");
     let plain = skin("forehead-furrow", Coupling::Hybrid);
     let painted = LayerSpec {
         map: Some(Arc::new(paint)),

@@ -8,7 +8,8 @@ const SADDLE_DECREMENT: f64 = 1e-3;
 /// Indefinite iterations after which [`AtSaddle::Stop`] waits for no small decrement any more.
 const SADDLE_ITERATIONS: usize = 5;
 
-/// Share of the modes of negative curvature that may be left with [`AtSaddle::PassFew`].
+/// Share that may be left with [`AtSaddle::PassFew`] of the most modes of negative curvature that one iteration has
+/// found: the last tenth took a third of the factorisations in which a large patch of skin begins to wrinkle.
 const FEW: f64 = 0.1;
 
 /// Iterations in a row in which nothing but a diagonal mends the Hessian and hardly any energy is to be
@@ -22,7 +23,8 @@ impl Newton<'_> {
         let gained = self.before.map_or(f64::INFINITY, |before| {
             (before - iteration.energy).abs() / self.objective.energy_scale()
         });
-        // No tolerance counts at a saddle that is not to be passed: a flat film under compression has no residual at all.
+        // No tolerance counts at a saddle that is not to be passed: a flat film under compression has no residual at
+        // all.
         if !inertia.is_minimum() {
             // A collapsed triangle is not passed: nothing but a diagonal mends it.
             if self.may_pass(inertia)

@@ -191,9 +191,9 @@ impl Patches {
     ///
     /// It has converged when a sweep gains [`LITTLE`], or [`PASSED`] tolerances, and every patch has: in the first
     /// sweep to `settings`, later to [`LITTLE`], but to `settings` again where that did not move it; where nothing else
-    /// is left, such patches alone are solved. A state that is only passed does without its second sweep where that would
-    /// gain as little, by what the last second sweep gained. Sweeps that do not get there, with an [`Extrapolation`]
-    /// after the second and each that follows, end without, as the patches' width says.
+    /// is left, such patches alone are solved. With [`AtSaddle::Pass`] it does without its second sweep where that
+    /// would gain as little, by what the last second sweep gained. Sweeps that do not get there, with an
+    /// [`Extrapolation`] after the second and each that follows, end without, as the patches' width says.
     /// `keep_going` is asked whenever a patch is done, from any thread.
     pub(crate) fn minimise(
         &mut self,

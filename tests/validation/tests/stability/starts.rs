@@ -24,7 +24,7 @@ fn t1_perfect_flat_start() {
     let mut sheet = compressed(&spec, &strip, LOAD, 0.0, 1);
     let solve = sheet.solve_by_residual();
     let inertia = solve.inertia.expect("a factor");
-    let unstable = inertia.negative - inertia.rows;
+    let unstable = inertia.excess();
     assert!(solve.converged && unstable > 0);
     assert!(sheet.amplitude(&Vector3::z(), |_| true) < 1e-9 * spec.film.thickness);
     let numbers = format!("converged, flat, {unstable} unstable modes");

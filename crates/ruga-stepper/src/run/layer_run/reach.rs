@@ -3,8 +3,8 @@
 //! Wrinkles keep the wavelength with which they begin, so that every place has to begin near its own
 //! critical strain. Where one place is compressed many times as much as another, a sequence of weights
 //! passes both onsets only in many steps. Here the surface goes to its place at once, and the strain
-//! ratio that is loaded on every face grows from solve to solve: all places begin
-//! to wrinkle in the first solve, and none of them far above its onset.
+//! ratio that is loaded on every face grows from solve to solve: nearly all places
+//! begin to wrinkle in the first solve, the last ones in the second, and none of them far above its onset.
 
 use ruga_mesh::PerFace;
 use ruga_solver::{AtSaddle, StopRule};
@@ -164,13 +164,15 @@ impl<'a> LayerRun<'a> {
                 true => Accuracy::Result,
                 false => Accuracy::Passing,
             };
-            // The next solve goes on from a saddle as well as from a minimum. Where wrinkles begin only the last few
-            // places are left to it: their energy is still to be gained, though not by the first steps, and far above
-            // its onset a film that was left flat would wrinkle with another wavelength.
+            // The next solve goes on from a saddle as well as from a minimum. Not where wrinkles begin: there their
+            // energy is still to be gained, though not by the first steps, and far above its onset a film that was
+            // left flat would wrinkle with another wavelength. The last few places of the first solve may wait for
+            // the second, which leaves none.
             let begins = |(face, wanted): (_, &f64)| begins(felt[face], *wanted);
-            let at_saddle = match wanted.iter().any(begins) {
+            let at_saddle = match most_felt < 1.0 {
                 _ if is_last => AtSaddle::Leave,
                 true => AtSaddle::PassFew,
+                false if wanted.iter().any(begins) => AtSaddle::Leave,
                 false => AtSaddle::Pass,
             };
             // These are not needed while the layer is solved, when memory is most.

@@ -44,7 +44,6 @@ impl Work {
         let failed = last().find(|report| !report.converged);
         let most = |of: fn(&SolveReport) -> f64| last().map(of).fold(0.0, f64::max);
         let inertias: Option<Vec<Inertia>> = last().map(|report| report.inertia).collect();
-        let excess = |all: Vec<Inertia>| -> usize { all.iter().map(Inertia::excess).sum() };
         SolveReport {
             converged: stop.is_none() && failed.is_none(),
             stop: stop.unwrap_or(failed.map_or(StopRule::Decrement, |report| report.stop)),
@@ -55,7 +54,7 @@ impl Work {
             decrement: last().map(|report| report.decrement).sum(),
             infeasibility: most(|report| report.infeasibility),
             inertia: inertias.map(|all| Inertia {
-                negative: excess(all),
+                negative: all.iter().map(Inertia::excess).sum(),
                 rows: 0,
             }),
             relaxation_used: self.relaxation,
