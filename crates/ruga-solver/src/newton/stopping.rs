@@ -9,7 +9,7 @@ const SADDLE_DECREMENT: f64 = 1e-3;
 const SADDLE_ITERATIONS: usize = 5;
 
 /// Share that may be left with [`AtSaddle::PassFew`] of the most modes of negative curvature that one iteration has
-/// found: the last tenth took a third of the factorisations in which a large patch of skin begins to wrinkle.
+/// found: the last tenth took a quarter of the factorisations in which a large patch of skin begins to wrinkle.
 const FEW: f64 = 0.1;
 
 /// Iterations in a row in which nothing but a diagonal mends the Hessian and hardly any energy is to be
