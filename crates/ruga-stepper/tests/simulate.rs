@@ -15,10 +15,13 @@ use ruga_stepper::{
 };
 
 fn run(coupling: Coupling, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
+    run_layer(skin("forehead-furrow", coupling), modelling, observer)
+}
+
+fn run_layer(layer: LayerSpec, modelling: &Modelling, observer: &mut dyn Observer) -> PoseResult {
     let driver = driver();
-    let layers = [skin("forehead-furrow", coupling)];
     let poses = [pose(&driver, "press", 1.0)];
-    let plan = plan(&driver, &layers, &poses, modelling, 1024).expect("a valid scene");
+    let plan = plan(&driver, &[layer], &poses, modelling, 1024).expect("a valid scene");
     plan.simulate(0, observer).expect("a valid scene")
 }
 
@@ -112,7 +115,6 @@ fn two_runs_give_the_same_bits() {
 /// Properties painted with 1 give the same bits as no paint, though the material is then kept at every place.
 #[test]
 fn paint_of_ones_is_as_good_as_none() {
-    let driver = driver();
     let ones = PropertyImage {
         width: 1,
         height: 1,
@@ -132,9 +134,7 @@ fn paint_of_ones_is_as_good_as_none() {
         ..plain.clone()
     };
     let [plain, painted] = [plain, painted].map(|layer| {
-        let poses = [pose(&driver, "press", 1.0)];
-        let plan = plan(&driver, &[layer], &poses, &draft(), 1024).expect("a valid scene");
-        let result = plan.simulate(0, &mut Silent).expect("a valid scene");
+        let result = run_layer(layer, &draft(), &mut Silent);
         result.keys[1].layers[0].positions.clone()
     });
     assert_eq!(plain, painted);

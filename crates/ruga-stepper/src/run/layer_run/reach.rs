@@ -137,7 +137,7 @@ impl<'a> LayerRun<'a> {
         }
         loop {
             let felt = self.layer.strain_ratios().all();
-            // The first wrinkles are found on the whole, or in wide patches: narrow ones would fit them
+            // Nearly all first wrinkles are found on the whole, or in wide patches: narrow ones would fit them
             // between their borders, and a film came out with waves 9 % too short in patches of two.
             if self.patches.is_none() && self.layer.strain_ratio() > 1.0 {
                 self.patches = self.patches_of(Width::Narrow);
@@ -170,11 +170,14 @@ impl<'a> LayerRun<'a> {
             // the second, which leaves none. On a coarse mesh they cost little, and normals of a film that took such a
             // pattern over were .3 degrees further off.
             let begins = |(face, wanted): (_, &f64)| begins(felt[face], *wanted);
-            let at_saddle = match most_felt < 1.0 {
-                _ if is_last => AtSaddle::Leave,
-                true if !self.is_coarse => AtSaddle::PassFew,
-                _ if wanted.iter().any(begins) => AtSaddle::Leave,
-                _ => AtSaddle::Pass,
+            let at_saddle = if is_last {
+                AtSaddle::Leave
+            } else if most_felt < 1.0 && !self.is_coarse {
+                AtSaddle::PassFew
+            } else if wanted.iter().any(begins) {
+                AtSaddle::Leave
+            } else {
+                AtSaddle::Pass
             };
             // These are not needed while the layer is solved, when memory is most.
             drop((felt, limits, wanted));
