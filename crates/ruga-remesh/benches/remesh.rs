@@ -11,6 +11,10 @@ use ruga_remesh::{RemeshSettings, SurfaceMesh, remesh};
 use shapes::{Shape, Sheet, Waves, grid};
 
 fn follow(criterion: &mut Criterion, name: &str, cases: [(usize, f64); 3]) {
+    let one_thread = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a pool of one thread");
     let mut group = criterion.benchmark_group(name);
     group.sample_size(10);
     for (cells, edge) in cases {
@@ -38,7 +42,7 @@ fn follow(criterion: &mut Criterion, name: &str, cases: [(usize, f64); 3]) {
             .max(mesh.mesh.face_count());
         group.throughput(Throughput::Elements(faces as u64));
         group.bench_function(BenchmarkId::from_parameter(faces), |bencher| {
-            bencher.iter(|| run(&mesh));
+            bencher.iter(|| one_thread.install(|| run(&mesh)));
         });
     }
     group.finish();

@@ -2,7 +2,9 @@
 
 use crate::counts::Counts;
 use crate::flip::flip_around;
-use crate::patch::{Patch, Touched, by_length_class};
+use crate::length_classes::by_length_class;
+use crate::patch::Patch;
+use crate::touched::Touched;
 
 /// Passes after which collapsing stops; each removes a share of what can go, so a mesh a thousand
 /// times too fine needs about twenty.

@@ -3,11 +3,13 @@
 use std::collections::VecDeque;
 
 use nalgebra::Vector3;
+use rayon::prelude::*;
 
 use crate::counts::Counts;
 use crate::half_edges::{next, prev};
-use crate::patch::{Patch, Touched};
+use crate::patch::Patch;
 use crate::tensor2::Tensor2;
+use crate::touched::Touched;
 
 /// Sine by which the angles opposite an edge must exceed 180 degrees together before it is
 /// flipped; regular grids, where it is zero, are left as they are.
@@ -17,6 +19,10 @@ const TOLERANCE_OLD: f64 = 0.05;
 /// Flips per edge asked about after which flipping stops: in a metric that varies, Lawson's
 /// algorithm may go round in circles. Two are seldom reached.
 const MAX_FLIPS_PER_EDGE: usize = 8;
+/// Number of edges from which on all are measured before the first is flipped.
+const MANY: usize = 1 << 12;
+/// Edges that a thread measures at least.
+const AT_ONCE: usize = 1 << 10;
 
 /// Flips the given edges and those around them where the metric asks for it; lists the faces it
 /// changes in `touched`. Returns how many edges were left when the bound on flips was reached.
@@ -27,19 +33,31 @@ pub(crate) fn flip_around(
     counts: &mut Counts,
 ) -> usize {
     let mut left = MAX_FLIPS_PER_EDGE * edges.len();
+    let measured = are_wrong(patch, &edges);
+    let mut asked = 0;
+    let mut changed = Touched::new();
     let mut queue = VecDeque::from(edges);
     while let Some(h) = queue.pop_front() {
-        let Some(twin) = patch.topology.twin(h).filter(|_| should_flip(patch, h)) else {
+        let known = measured.get(asked).copied();
+        asked += 1;
+        let Some(twin) = patch.topology.twin(h) else {
             continue;
         };
+        let faces = [h, twin].map(|side| side / 3);
+        let known = known.filter(|_| !faces.iter().any(|&face| changed.contains(face)));
+        debug_assert!(known.is_none_or(|wrong| wrong == is_wrong(patch, h)));
+        if !known.unwrap_or_else(|| is_wrong(patch, h)) || !has_place(patch, [h, twin]) {
+            continue;
+        }
         if left == 0 {
             return queue.len() + 1;
         }
         left -= 1;
         patch.topology.flip(h);
         counts.flips += 1;
+        touched.extend(faces);
+        changed.extend(faces);
         for side in [h, twin] {
-            touched.add(side / 3);
             // A flip can spoil the four edges around it, and no others.
             queue.extend([next(side), prev(side)]);
         }
@@ -47,8 +65,24 @@ pub(crate) fn flip_around(
     0
 }
 
-/// Says whether an edge is no Delaunay edge and may be flipped.
-fn should_flip(patch: &Patch, h: u32) -> bool {
+/// Whether each edge is wrong, which holds until one of its two faces changes; empty for fewer edges than
+/// [`MANY`].
+fn are_wrong(patch: &Patch, edges: &[u32]) -> Vec<bool> {
+    if edges.len() < MANY {
+        return Vec::new();
+    }
+    let each = edges.par_iter().with_min_len(AT_ONCE);
+    each.map(|&h| is_wrong(patch, h)).collect()
+}
+
+/// Says whether the diagonal that a flip makes is no edge elsewhere.
+fn has_place(patch: &Patch, sides: [u32; 2]) -> bool {
+    let [c, d] = sides.map(|side| patch.topology.apex(side));
+    !patch.topology.are_joined(c, d)
+}
+
+/// Says whether an edge should be flipped, by its two faces alone; see [`has_place`].
+fn is_wrong(patch: &Patch, h: u32) -> bool {
     let topology = &patch.topology;
     let Some(twin) = topology.twin(h).filter(|_| !topology.is_feature(h)) else {
         return false;
@@ -58,12 +92,9 @@ fn should_flip(patch: &Patch, h: u32) -> bool {
     let is_old = [a, b, c, d].iter().all(|&v| !patch.is_new(v));
     let tolerance = if is_old { TOLERANCE_OLD } else { TOLERANCE };
     let sine = delaunay_sine(patch, [a, b, c, d]);
-    if sine >= -tolerance || topology.are_joined(c, d) {
-        return false;
-    }
     // Faces at an angle unfold differently about the two diagonals, and each of these may seem
     // the wrong one: such an edge would be flipped to and fro for ever.
-    if delaunay_sine(patch, [d, c, a, b]) <= sine {
+    if sine >= -tolerance || delaunay_sine(patch, [d, c, a, b]) <= sine {
         return false;
     }
     // The diagonal may be long only where it replaces a longer one: this keeps what splitting

@@ -17,7 +17,8 @@
 //! simulation*, 2012, as Li 2014 (LK 2.1) uses them, but in the rest metric of a surface in space
 //! instead of texture coordinates.
 //!
-//! Positions and wanted lengths are in metres, tensors in 1/m².
+//! Positions and wanted lengths are in metres, tensors in 1/m². Loops run on the threads of rayon's current
+//! pool; their number does not change the mesh.
 
 mod closest;
 mod collapse;
@@ -29,6 +30,7 @@ mod feature_curves;
 mod flip;
 mod grading;
 mod half_edges;
+mod length_classes;
 mod patch;
 mod relax;
 mod remesh;
@@ -39,6 +41,7 @@ mod split;
 mod surface;
 mod tensor2;
 mod tensor3;
+mod touched;
 mod transfer;
 
 pub use cut::{CutPoint, LevelCut, shares_left};

@@ -2,7 +2,7 @@
 //! decide about an operation.
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{MaterialPoint, PerVertex, VertexId};
+use ruga_mesh::{FaceId, MaterialPoint, PerVertex, VertexId};
 
 use crate::closest::descend;
 use crate::half_edges::{HalfEdges, NONE};
@@ -26,11 +26,19 @@ const COLLAPSE_OLD_BELOW: f64 = 0.63;
 const UPRIGHT: f64 = 0.5;
 
 /// Data that every measure reads at a vertex, together so that it comes from memory together.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Site {
     position: Vector3<f64>,
     normal: Vector3<f64>,
     tensor: Tensor3,
+}
+
+/// What a vertex carries at a place of the surface.
+pub(crate) struct Placed {
+    site: Site,
+    pub(crate) point: MaterialPoint,
+    /// Place on the old mesh.
+    origin: MaterialPoint,
 }
 
 pub(crate) struct Patch<'a> {
@@ -242,9 +250,9 @@ impl<'a> Patch<'a> {
         ]
     }
 
-    /// Splits an edge at the place of the surface closest to its middle; says whether it did: the
-    /// place must be closer to both ends than they are to each other and fold no face over.
-    pub(crate) fn try_split(&mut self, h: u32) -> bool {
+    /// The vertex that would split an edge: the place of the surface closest to its middle, of a feature the
+    /// one on its curve.
+    pub(crate) fn middle(&self, h: u32) -> Placed {
         let (a, b) = (self.topology.tail(h), self.topology.head(h));
         let middle = (self.position(a) + self.position(b)) * 0.5;
         let ends = [self.points[a as usize], self.points[b as usize]];
@@ -259,12 +267,17 @@ impl<'a> Patch<'a> {
                 places.map(|place| (self.surface.position(place) - middle).norm());
             places[usize::from(second < first)]
         };
+        self.placed(point, self.origin(a).face)
+    }
+
+    /// Splits an edge at its [`middle`](Self::middle); says whether it did: that place must be closer to
+    /// both ends than they are to each other and fold no face over.
+    pub(crate) fn try_split(&mut self, h: u32, middle: Placed) -> bool {
         let m = self.sites.len() as u32;
         // The vertex is put in before it is judged, since measures read vertices by number.
-        self.sites.push(Site::default());
-        self.points.push(point);
-        self.origins.push(Some(self.origin(a)));
-        self.place(m as usize, point);
+        self.sites.push(middle.site);
+        self.points.push(middle.point);
+        self.origins.push(Some(middle.origin));
         let is_sound = self.is_sound_split(h, m);
         if is_sound {
             self.topology.split(h);
@@ -295,26 +308,28 @@ impl<'a> Patch<'a> {
             })
     }
 
-    /// Puts a new vertex at a place of the surface.
-    fn place(&mut self, v: usize, point: MaterialPoint) {
-        let start = self.origin(v as u32).face;
+    /// What a vertex carries at a place of the surface.
+    ///
+    /// `start` is the face of the old mesh where it was or where its edge began: a search over the whole mesh
+    /// could land on a part that only comes near in space.
+    fn placed(&self, point: MaterialPoint, start: FaceId) -> Placed {
         let (position, normal) = (self.surface.position(point), self.surface.normal(point));
         let old = self.old;
-        // From where the vertex was or its edge began: a search over the whole mesh could land on a
-        // part that only comes near in space.
         let origin = descend(&old.mesh, old.positions.as_slice(), start, position);
         let asked = self
             .metric
             .as_ref()
             .and_then(|(metric, limits)| limits.hold(&metric(point, position), normal));
         let tensor = asked.unwrap_or_else(|| interpolate(old, &self.sizing.tensors, origin));
-        self.sites[v] = Site {
-            position,
-            normal,
-            tensor: tangent_part(tensor, normal),
-        };
-        self.points[v] = point;
-        self.origins[v] = Some(origin);
+        Placed {
+            site: Site {
+                position,
+                normal,
+                tensor: tangent_part(tensor, normal),
+            },
+            point,
+            origin,
+        }
     }
 
     /// Moves a new vertex along the surface towards `target`; undone unless `accept` agrees.
@@ -355,8 +370,11 @@ impl<'a> Patch<'a> {
     ) -> bool {
         let i = v as usize;
         let (site, point, origin) = (self.sites[i], self.points[i], self.origins[i]);
+        let placed = self.placed(wanted, self.origin(v).face);
         // Moved first and judged then, as `accept` measures the mesh as it would be.
-        self.place(i, wanted);
+        self.sites[i] = placed.site;
+        self.points[i] = placed.point;
+        self.origins[i] = Some(placed.origin);
         if let Some(tensor) = tensor {
             self.sites[i].tensor = tangent_part(tensor.matrix(), self.sites[i].normal);
         }
@@ -412,89 +430,4 @@ fn interpolate(
 fn tangent_part(tensor: Matrix3<f64>, normal: Vector3<f64>) -> Tensor3 {
     let projection = Matrix3::identity() - normal * normal.transpose();
     Tensor3::from_matrix(&(projection * tensor * projection))
-}
-
-/// The edges for which `length` gives one, each with the class of its length, classes a quarter
-/// octave wide.
-///
-/// Within a class the order is that of the half-edges, which are near each other in memory where
-/// they are near each other on the surface. Exact order by length visits the mesh at random, and
-/// on a hundred thousand faces most of the time then goes into waiting for memory.
-pub(crate) fn by_length_class(
-    edges: &[u32],
-    length: impl Fn(u32) -> Option<f64>,
-) -> Vec<(i32, u32)> {
-    let class = |length: f64| (4.0 * length.max(f64::MIN_POSITIVE).log2()).floor() as i32;
-    edges
-        .iter()
-        .filter_map(|&h| length(h).map(|length| (class(length), h)))
-        .collect()
-}
-
-/// Faces that were touched, each listed once, in order.
-pub(crate) struct Touched {
-    faces: Vec<u32>,
-    is_listed: Vec<bool>,
-}
-
-impl Touched {
-    pub(crate) fn new() -> Self {
-        Self {
-            faces: Vec::new(),
-            is_listed: Vec::new(),
-        }
-    }
-
-    /// Lists a face; whether it was not listed before.
-    pub(crate) fn add(&mut self, face: u32) -> bool {
-        let i = face as usize;
-        if self.is_listed.len() <= i {
-            self.is_listed.resize(i + 1, false);
-        }
-        let is_first = !std::mem::replace(&mut self.is_listed[i], true);
-        if is_first {
-            self.faces.push(face);
-        }
-        is_first
-    }
-
-    /// Lists the faces around a vertex.
-    pub(crate) fn add_around(&mut self, topology: &HalfEdges, v: u32) {
-        for h in topology.outgoing(v) {
-            self.add(h / 3);
-        }
-    }
-
-    pub(crate) fn contains(&self, face: u32) -> bool {
-        self.is_listed.get(face as usize).copied().unwrap_or(false)
-    }
-
-    /// One half-edge of every edge of the listed faces that still exist.
-    pub(crate) fn edges(&self, topology: &HalfEdges) -> Vec<u32> {
-        let mut edges = Vec::with_capacity(3 * self.faces.len());
-        for &face in &self.faces {
-            if topology.face(face).is_none() {
-                continue;
-            }
-            for h in 3 * face..3 * face + 3 {
-                if topology
-                    .twin(h)
-                    // Edges between two listed faces come from their lower half-edge only.
-                    .is_none_or(|t| h < t || !self.contains(t / 3))
-                {
-                    edges.push(h);
-                }
-            }
-        }
-        edges
-    }
-
-    /// Adds the faces around every vertex of the listed faces.
-    pub(crate) fn grow(&mut self, topology: &HalfEdges) {
-        for i in 0..self.faces.len() {
-            for v in topology.face(self.faces[i]).into_iter().flatten() {
-                self.add_around(topology, v);
-            }
-        }
-    }
 }

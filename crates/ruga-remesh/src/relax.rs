@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 
 use crate::counts::Counts;
 use crate::flip::flip_around;
-use crate::patch::{Patch, Touched};
+use crate::patch::Patch;
 use crate::sizing::{metric_area, metric_length};
+use crate::touched::Touched;
 
 /// Step of a vertex over the distance to the centroid of its faces.
 ///

@@ -6,9 +6,10 @@ use crate::collapse::collapse_short_edges;
 use crate::counts::Counts;
 use crate::flip::flip_around;
 use crate::half_edges::HalfEdges;
-use crate::patch::{Patch, Touched};
+use crate::patch::Patch;
 use crate::relax::relax_new_vertices;
 use crate::sizing::setting;
+use crate::touched::Touched;
 use crate::{Metric, RemeshError, SizeLimits, Sizing, Surface, SurfaceMesh, Transfer};
 
 /// Rounds of the closing loop; one that changes nothing ends it, and two are usual.

@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{Id, MaterialPoint, PerVertex, tangent_frame};
+use rayon::prelude::*;
+use ruga_mesh::{Id, MaterialPoint, PerVertex, VertexId, tangent_frame};
 
 use crate::grading::grade;
 use crate::surface::check_length;
@@ -21,6 +22,9 @@ const LIMIT_SLACK: f64 = 0.04;
 
 /// Sine of the angle between a direction and the normal under which the direction counts as normal.
 const LEAST_TANGENT: f64 = 1e-9;
+
+/// Vertices that a thread takes at least.
+const AT_ONCE: usize = 1 << 9;
 
 /// Lengths, m, whose square and its inverse are finite and not zero.
 const SQUARABLE: RangeInclusive<f64> = 1e-150..=1e150;
@@ -154,10 +158,11 @@ pub(crate) fn setting(
     }
 }
 
-/// Wanted edges as a function of the place and its position (m): a tensor as in [`Sizing`].
+/// Wanted edges as a function of the place and its position (m): a tensor as in [`Sizing`]. Several threads
+/// ask at once.
 ///
 /// [`size_tensor`] makes such tensors.
-pub type Metric<'a> = dyn Fn(MaterialPoint, Vector3<f64>) -> Matrix3<f64> + 'a;
+pub type Metric<'a> = dyn Fn(MaterialPoint, Vector3<f64>) -> Matrix3<f64> + Sync + 'a;
 
 impl Sizing {
     /// Asks for edges of the length `edge` (m, positive) everywhere and in every direction.
@@ -174,9 +179,12 @@ impl Sizing {
 
     /// Asks `metric` at every vertex of a mesh.
     pub fn from_metric(mesh: &SurfaceMesh, metric: &Metric<'_>) -> Self {
-        let ask = |(v, &position)| metric(mesh.points[v], position);
+        let positions = mesh.positions.as_slice().par_iter().enumerate();
+        let points = mesh.points.as_slice();
+        let ask = |(v, &position): (usize, _)| metric(points[v], position);
+        let tensors: Vec<_> = positions.with_min_len(AT_ONCE).map(ask).collect();
         Self {
-            tensors: mesh.positions.iter().map(ask).collect(),
+            tensors: tensors.into(),
         }
     }
 
@@ -199,23 +207,25 @@ impl Sizing {
         let limits = limits.within(mesh);
         let frames: Vec<[Vector3<f64>; 2]> = mesh
             .points
-            .iter()
-            .map(|(_, &point)| tangent_frame(surface.normal(point), Vector3::zeros()))
+            .as_slice()
+            .par_iter()
+            .with_min_len(AT_ONCE)
+            .map(|&point| tangent_frame(surface.normal(point), Vector3::zeros()))
             .collect();
-        let mut flat: Vec<Tensor2> = self
-            .tensors
-            .iter()
-            .map(|(v, tensor)| limits.clamp(Tensor2::in_frame(tensor, &frames[v.index()])))
+        let tensors = self.tensors.as_slice().par_iter().with_min_len(AT_ONCE);
+        let mut flat: Vec<Tensor2> = tensors
+            .zip(&frames)
+            .map(|(tensor, frame)| limits.clamp(Tensor2::in_frame(tensor, frame)))
             .collect();
         grade(mesh, &frames, limits.grading, &mut flat);
-        let tensors = flat
-            .iter()
-            .zip(&frames)
-            // Grading refines each direction by itself, which may stretch the aspect past its
-            // limit.
+        let graded = flat.par_iter().with_min_len(AT_ONCE).zip(&frames);
+        // Grading refines each direction by itself, which may stretch the aspect past its limit.
+        let tensors: Vec<_> = graded
             .map(|(&tensor, frame)| limits.clamp(tensor).in_space(frame))
             .collect();
-        Ok(Self { tensors })
+        Ok(Self {
+            tensors: tensors.into(),
+        })
     }
 
     /// Number of vertices that a mesh following this sizing has, to about 20 %.
@@ -243,12 +253,13 @@ impl Sizing {
 
     fn check(&self, vertex_count: usize) -> Result<(), RemeshError> {
         check_length("sizing", self.tensors.len(), vertex_count)?;
-        for (vertex, tensor) in self.tensors.iter() {
-            if !is_metric(tensor) {
-                return Err(RemeshError::Tensor { vertex });
-            }
+        let tensors = self.tensors.as_slice().par_iter().with_min_len(AT_ONCE);
+        match tensors.position_first(|tensor| !is_metric(tensor)) {
+            Some(vertex) => Err(RemeshError::Tensor {
+                vertex: VertexId::from_index(vertex),
+            }),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 

@@ -1,12 +1,19 @@
 //! The sizing that a wrinkled shape and its driver ask for.
 
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
 use ruga_mesh::{FaceId, Id, PerFace, PerVertex, face_areas, tangent_frame, vertex_normals};
 
 use crate::sizing::setting;
 use crate::surface::{check_finite, check_length};
 use crate::tensor2::Tensor2;
 use crate::{RemeshError, Sizing, SurfaceMesh};
+
+/// Faces whose terms are found before they are added up, one after the other.
+const AT_A_TIME: usize = 1 << 15;
+
+/// Faces or vertices that a thread takes at least.
+const AT_ONCE: usize = 1 << 9;
 
 /// What the sizing is derived from.
 #[derive(Clone, Copy, Debug)]
@@ -90,8 +97,8 @@ pub fn sizing_field(input: &SizingInput) -> Result<Sizing, RemeshError> {
     let rest = mesh.positions.as_slice();
     let normals = vertex_normals(&mesh.mesh, shape);
     let areas = face_areas(&mesh.mesh, rest);
-    let mut sums = PerVertex::filled(mesh.mesh.vertex_count(), Sums::default());
-    for (face, corners) in mesh.mesh.faces().iter() {
+    let terms = |face: FaceId| {
+        let corners = mesh.mesh.faces()[face];
         let at = |field: &[Vector3<f64>]| corners.map(|v| field[v.index()]);
         let hats = hat_gradients(at(rest));
         let turn = gradient(hats, at(&normals));
@@ -99,17 +106,27 @@ pub fn sizing_field(input: &SizingInput) -> Result<Sizing, RemeshError> {
         let wrinkles = input
             .driver
             .map(|drivers| wrinkle_term(&drivers[face], hats, &refinement));
-        for vertex in corners {
-            sums[*vertex].add(areas[face], own, wrinkles);
+        (own, wrinkles)
+    };
+    let mut sums = PerVertex::filled(mesh.mesh.vertex_count(), Sums::default());
+    let count = mesh.mesh.face_count();
+    for first in (0..count).step_by(AT_A_TIME) {
+        let faces = first..count.min(first + AT_A_TIME);
+        let each = faces.clone().into_par_iter().with_min_len(AT_ONCE);
+        let found: Vec<_> = each.map(|face| terms(FaceId::from_index(face))).collect();
+        for (face, (own, wrinkles)) in faces.map(FaceId::from_index).zip(found) {
+            for vertex in mesh.mesh.faces()[face] {
+                sums[vertex].add(areas[face], own, wrinkles);
+            }
         }
     }
     let rest_normals = vertex_normals(&mesh.mesh, rest);
-    let tensors = sums
-        .iter()
-        .zip(rest_normals)
-        .map(|((_, sum), normal)| sum.tensor(&tangent_frame(normal, Vector3::zeros())))
-        .collect();
-    Ok(Sizing { tensors })
+    let each = sums.as_slice().par_iter().zip(rest_normals);
+    let tensor = |(sum, normal): (&Sums, _)| sum.tensor(&tangent_frame(normal, Vector3::zeros()));
+    let tensors: Vec<_> = each.with_min_len(AT_ONCE).map(tensor).collect();
+    Ok(Sizing {
+        tensors: tensors.into(),
+    })
 }
 
 fn check(input: &SizingInput) -> Result<(), RemeshError> {

@@ -2,9 +2,13 @@
 
 use std::cmp::Reverse;
 
+use rayon::prelude::*;
+
 use crate::counts::Counts;
 use crate::flip::flip_around;
-use crate::patch::{Patch, Touched, by_length_class};
+use crate::length_classes::by_length_class;
+use crate::patch::{Patch, Placed};
+use crate::touched::Touched;
 
 /// Passes after which splitting stops. Three at most are needed to halve all edges of a face, so
 /// this reaches edges a million times shorter than the input's.
@@ -13,6 +17,13 @@ const MAX_PASSES: usize = 64;
 /// Passes within which the longest edge becomes shorter, unless splits and flips go in circles. A
 /// pass halves it where no neighbour is as long.
 const PATIENCE: usize = 4;
+
+/// Edges whose middles are found before the first of them is split. All of a large mesh at once would take
+/// more memory than its vertices.
+const AT_A_TIME: usize = 1 << 13;
+
+/// Edges that a thread takes at least.
+const AT_ONCE: usize = 1 << 6;
 
 /// Splits, in each pass, the longest edges of which no two share a face, then flips around them.
 ///
@@ -41,12 +52,15 @@ pub(crate) fn split_long_edges(
         if pass >= PATIENCE && class >= longest[pass - PATIENCE] {
             long = by_plain_length(patch, &long);
         }
-        let mut touched = Touched::new();
-        for (_, h) in long {
-            if patch.topology.vertex_slots() >= most_vertices {
-                return false;
+        let (mut touched, mut foreseen) = (Touched::new(), Touched::new());
+        for edges in long.chunks(AT_A_TIME) {
+            let middles = middles(patch, edges, (&touched, &mut foreseen));
+            for (&(_, h), middle) in edges.iter().zip(middles) {
+                if patch.topology.vertex_slots() >= most_vertices {
+                    return false;
+                }
+                split_if_untouched(patch, (h, middle), &mut touched, counts);
             }
-            split_if_untouched(patch, h, &mut touched, counts);
         }
         // An edge that waited has a touched face, so it is met again among their edges.
         let edges = touched.edges(&patch.topology);
@@ -56,20 +70,54 @@ pub(crate) fn split_long_edges(
     false
 }
 
+/// The middles of those edges that will be split if every split succeeds, `None` for the others: no split
+/// of a pass moves another one's middle. `foreseen` has the faces that are cut then, beside those that were
+/// `touched` before.
+fn middles(
+    patch: &Patch,
+    edges: &[(Reverse<i32>, u32)],
+    (touched, foreseen): (&Touched, &mut Touched),
+) -> Vec<Option<Placed>> {
+    let mut split = Vec::with_capacity(edges.len());
+    for &(_, h) in edges {
+        let is_whole = |face| !touched.contains(face) && !foreseen.contains(face);
+        let is_split = faces_of(patch, h).all(is_whole);
+        if is_split {
+            foreseen.extend(faces_of(patch, h));
+        }
+        split.push(is_split.then_some(h));
+    }
+    let each = split.into_par_iter().with_min_len(AT_ONCE);
+    each.map(|h| h.map(|h| patch.middle(h))).collect()
+}
+
+/// The faces that are cut when an edge is split: in an independent set no two edges share one.
+fn faces_of(patch: &Patch, h: u32) -> impl Iterator<Item = u32> + Clone + use<> {
+    let sides = [Some(h), patch.topology.twin(h)];
+    sides.into_iter().flatten().map(|side| side / 3)
+}
+
 /// Splits an edge unless an earlier split touched its faces.
-fn split_if_untouched(patch: &mut Patch, h: u32, touched: &mut Touched, counts: &mut Counts) {
-    let twin = patch.topology.twin(h);
-    // The two faces are cut, so an independent set is one of edges that share none.
-    let faces = [Some(h), twin].into_iter().flatten().map(|e| e / 3);
+fn split_if_untouched(
+    patch: &mut Patch,
+    (h, middle): (u32, Option<Placed>),
+    touched: &mut Touched,
+    counts: &mut Counts,
+) {
+    let faces = faces_of(patch, h);
     let first_new = patch.topology.face_slots() as u32;
-    if faces.clone().any(|face| touched.contains(face)) || !patch.try_split(h) {
+    if faces.clone().any(|face| touched.contains(face)) {
+        return;
+    }
+    let is_still = |middle: &Placed| middle.point == patch.middle(h).point;
+    debug_assert!(middle.as_ref().is_none_or(is_still));
+    // Not foreseen where a split beside it was expected, and failed.
+    let middle = middle.unwrap_or_else(|| patch.middle(h));
+    if !patch.try_split(h, middle) {
         return;
     }
     counts.splits += 1;
-    let new = first_new..patch.topology.face_slots() as u32;
-    faces.chain(new).for_each(|face| {
-        touched.add(face);
-    });
+    touched.extend(faces.chain(first_new..patch.topology.face_slots() as u32));
 }
 
 /// The edges that are too long, longest first, each with the class of its length.

@@ -15,8 +15,9 @@ const SUM_TOLERANCE: f64 = 1e-4;
 /// counter-clockwise.
 ///
 /// Every place that is asked about is one that [`Surface::contains`] has accepted, or one that the
-/// surface itself has named.
-pub trait Surface {
+/// surface itself has named. Several threads ask at once, in any order and also for vertices that are not
+/// made in the end, so that the same question must have the same answer.
+pub trait Surface: Sync {
     /// Says whether a material point is a place of this surface.
     ///
     /// The provided method knows no faces: it looks at the coordinates only.

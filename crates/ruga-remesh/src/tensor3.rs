@@ -8,7 +8,7 @@ use std::ops::{Add, Mul};
 use nalgebra::{Matrix3, Vector3};
 
 /// A symmetric 3x3 tensor.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Tensor3 {
     diagonal: [f64; 3],
     /// Entries yz, xz, xy.
