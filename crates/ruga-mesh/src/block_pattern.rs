@@ -3,6 +3,10 @@
 use std::sync::{Arc, OnceLock};
 
 use nalgebra::{Matrix3, Vector3};
+use rayon::prelude::*;
+
+/// Points that a thread takes at least: more than a part of a layer has, which one thread solves alone.
+const AT_ONCE: usize = 1 << 15;
 
 /// Marks a pinned vertex.
 const PINNED: u32 = u32::MAX;
@@ -116,12 +120,14 @@ impl BlockPattern {
                 neighbours[low as usize].extend(free().filter(|&high| high > low));
             }
         }
-        for list in neighbours.iter_mut() {
+        let tidy = |list: &mut Vec<u32>| {
             list.sort_unstable();
             list.dedup();
             // A vertex is named ten times as often as it has neighbours.
             list.shrink_to_fit();
-        }
+        };
+        let lists = neighbours.par_iter_mut().with_min_len(AT_ONCE);
+        lists.for_each(tidy);
         self.lay_out();
     }
 

@@ -42,14 +42,22 @@ pub fn edge_distances_with_starts(
         "one position per vertex"
     );
     let mut distances = PerVertex::filled(mesh.vertex_count(), f64::INFINITY);
-    let mut queue = BinaryHeap::new();
+    let mut begun = Vec::new();
     for (source, start) in sources {
         // What is at no distance counts whatever the limit.
         if start < distances[source] && (start == 0.0 || start <= limit) {
             distances[source] = start;
-            queue.push(Reverse((Metres(start), source)));
+            begun.push((Metres(start), source));
         }
     }
+    // A source that is no nearer than any vertex around it leads nowhere nearer: of sources that cover a part of
+    // the surface the rim is left.
+    begun.retain(|(start, source)| {
+        let faces = mesh.vertex_faces(*source).iter();
+        let mut around = faces.flat_map(|&face| mesh.faces()[face]);
+        around.any(|next| distances[next] > start.0)
+    });
+    let mut queue: BinaryHeap<_> = begun.into_iter().map(Reverse).collect();
     while let Some(Reverse((Metres(distance), vertex))) = queue.pop() {
         // A shorter way has been found since; the heap cannot lower an entry that it holds.
         if distance > distances[vertex] {

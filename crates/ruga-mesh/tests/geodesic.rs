@@ -62,6 +62,27 @@ fn beyond_the_limit_everything_is_infinite() {
     assert!(none.as_slice().iter().all(|d| d.is_infinite()));
 }
 
+/// Of a block of sources only the rim leads anywhere; one inside it that is dearer than those around is lowered.
+#[test]
+fn sources_that_cover_a_part_count_from_its_rim() {
+    let (mesh, positions) = grid(7, 5);
+    let block = (0..6).flat_map(|j| (0..5).map(move |i| VertexId(8 * j + i)));
+    let dear = VertexId(8 * 2 + 2);
+    let start = |v: VertexId| (v, if v == dear { 7.0 } else { 0.5 });
+    let starts: Vec<_> = block.map(start).chain([(VertexId(12), 0.25)]).collect();
+    let distances = edge_distances_with_starts(&mesh, &positions, starts.clone(), 4.0);
+    for (vertex, &distance) in distances.iter().filter(|(v, _)| v.index() < 48) {
+        let place = positions[vertex.index()];
+        let from =
+            |(source, start): &(VertexId, f64)| start + expected(positions[source.index()], place);
+        let wanted = starts.iter().map(from).fold(f64::INFINITY, f64::min);
+        assert!(
+            (distance - wanted).abs() < 1e-12,
+            "{vertex:?}: {distance} for {wanted}"
+        );
+    }
+}
+
 #[test]
 fn sources_may_be_some_way_off() {
     let (mesh, positions) = grid(7, 5);

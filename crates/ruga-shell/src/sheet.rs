@@ -45,14 +45,16 @@ impl Sheet {
         positions: &[Vector3<f64>],
         parameters: Vec<FaceParameters>,
     ) -> Result<Self, ShellError> {
-        let mut inner = inner_edges(mesh, on_plane);
+        let (mut inner, mut stars) = rayon::join(
+            || inner_edges(mesh, on_plane),
+            || match model {
+                BendingModel::Hinge => Vec::new(),
+                BendingModel::VertexCurvature => stars(mesh, on_plane),
+            },
+        );
         for edge in &mut inner {
             edge.vertices = edge.vertices.map(|v| before + v);
         }
-        let mut stars = match model {
-            BendingModel::Hinge => Vec::new(),
-            BendingModel::VertexCurvature => stars(mesh, on_plane),
-        };
         for vertex in stars.iter_mut().flat_map(|star| &mut star.vertices) {
             *vertex += before;
         }

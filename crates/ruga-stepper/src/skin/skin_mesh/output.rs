@@ -1,7 +1,8 @@
 //! Output meshes that are fine across the waves alone.
 
 use nalgebra::{Matrix3, Vector3};
-use ruga_mesh::{Id, PerFace};
+use rayon::prelude::*;
+use ruga_mesh::{FaceId, Id, PerFace};
 use ruga_remesh::Sizing;
 
 use super::RegionMesh;
@@ -19,6 +20,9 @@ const ACROSS: f64 = 1.1;
 /// edges in every direction.
 const ASPECT: f64 = 2.0;
 
+/// Faces whose terms are found before they are added up, one after the other.
+const AT_A_TIME: usize = 1 << 15;
+
 impl RegionMesh {
     /// Measure of output edges (1/m²) for every face of the whole that this mesh was refined `from`: as short as
     /// anywhere in the face by a `sizing` that is known at this mesh's vertices, `coarseness` times as long. No line
@@ -32,15 +36,25 @@ impl RegionMesh {
         // Sum of the tensors of a face's parts, by area, that area, and the largest value of all of them.
         let none = (Matrix3::zeros(), 0.0, 0.0_f64);
         let mut sums = PerFace::filled(from.whole.mesh.face_count(), none);
-        for (face, corners) in self.skin.mesh.faces().iter() {
+        let part = |face: FaceId| {
+            let corners = self.skin.mesh.faces()[face];
             let tensors = corners.iter().map(|&v| sizing.tensors[v]);
             let mean = tensors.sum::<Matrix3<f64>>() * (slack / 3.0);
             let [a, b, c] = corners.map(|v| self.skin.rest.positions[v.index()]);
             let area = Vector3::norm(&(b - a).cross(&(c - a)));
-            let (sum, whole, most) = &mut sums[from.origins[face]];
-            *sum += mean * area;
-            *whole += area;
-            *most = most.max(mean.symmetric_eigenvalues().max());
+            (mean * area, area, mean.symmetric_eigenvalues().max())
+        };
+        let count = self.skin.mesh.face_count();
+        for first in (0..count).step_by(AT_A_TIME) {
+            let faces = first..count.min(first + AT_A_TIME);
+            let each = faces.clone().into_par_iter();
+            let parts: Vec<_> = each.map(|face| part(FaceId::from_index(face))).collect();
+            for (face, (mean, area, value)) in faces.map(FaceId::from_index).zip(parts) {
+                let (sum, whole, most) = &mut sums[from.origins[face]];
+                *sum += mean;
+                *whole += area;
+                *most = most.max(value);
+            }
         }
         let measure = |(sum, whole, most): &(Matrix3<f64>, f64, f64)| {
             let mut mean = sum / whole.max(f64::MIN_POSITIVE);
@@ -51,14 +65,14 @@ impl RegionMesh {
             limit_aspect(&mut mean, ASPECT);
             mean
         };
-        sums.as_slice().iter().map(measure).collect()
+        let measures: Vec<_> = sums.as_slice().par_iter().map(measure).collect();
+        measures.into()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use ruga_blend::{BaseSurface, Smoothing};
-    use ruga_mesh::FaceId;
 
     use super::*;
     use crate::skin::piece::Piece;
