@@ -68,7 +68,7 @@ fn sources_that_cover_a_part_count_from_its_rim() {
     let (mesh, positions) = grid(7, 5);
     let block = (0..6).flat_map(|j| (0..5).map(move |i| VertexId(8 * j + i)));
     let dear = VertexId(8 * 2 + 2);
-    let start = |v: VertexId| (v, if v == dear { 7.0 } else { 0.5 });
+    let start = |v: VertexId| (v, if v == dear { 3.0 } else { 0.5 });
     let starts: Vec<_> = block.map(start).chain([(VertexId(12), 0.25)]).collect();
     let distances = edge_distances_with_starts(&mesh, &positions, starts.clone(), 4.0);
     for (vertex, &distance) in distances.iter().filter(|(v, _)| v.index() < 48) {

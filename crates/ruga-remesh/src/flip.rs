@@ -33,13 +33,9 @@ pub(crate) fn flip_around(
     counts: &mut Counts,
 ) -> usize {
     let mut left = MAX_FLIPS_PER_EDGE * edges.len();
-    let measured = are_wrong(patch, &edges);
-    let mut asked = 0;
     let mut changed = Touched::new();
-    let mut queue = VecDeque::from(edges);
-    while let Some(h) = queue.pop_front() {
-        let known = measured.get(asked).copied();
-        asked += 1;
+    let mut queue = VecDeque::from(measured(patch, edges));
+    while let Some((h, known)) = queue.pop_front() {
         let Some(twin) = patch.topology.twin(h) else {
             continue;
         };
@@ -59,20 +55,19 @@ pub(crate) fn flip_around(
         changed.extend(faces);
         for side in [h, twin] {
             // A flip can spoil the four edges around it, and no others.
-            queue.extend([next(side), prev(side)]);
+            queue.extend([next(side), prev(side)].map(|beside| (beside, None)));
         }
     }
     0
 }
 
-/// Whether each edge is wrong, which holds until one of its two faces changes; empty for fewer edges than
-/// [`MANY`].
-fn are_wrong(patch: &Patch, edges: &[u32]) -> Vec<bool> {
-    if edges.len() < MANY {
-        return Vec::new();
-    }
-    let each = edges.par_iter().with_min_len(AT_ONCE);
-    each.map(|&h| is_wrong(patch, h)).collect()
+/// The edges, each with whether it is wrong, which holds until one of its two faces changes; `None` for fewer edges
+/// than [`MANY`].
+fn measured(patch: &Patch, edges: Vec<u32>) -> Vec<(u32, Option<bool>)> {
+    let are_many = edges.len() >= MANY;
+    let each = edges.into_par_iter().with_min_len(AT_ONCE);
+    each.map(|h| (h, are_many.then(|| is_wrong(patch, h))))
+        .collect()
 }
 
 /// Says whether the diagonal that a flip makes is no edge elsewhere.
